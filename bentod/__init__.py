@@ -1,0 +1,1 @@
+"""The daemon: from muscle to motion."""

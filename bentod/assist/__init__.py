@@ -1,0 +1,1 @@
+"""Predictions turned into motion of the joints nobody attends to."""

@@ -1,0 +1,138 @@
+"""What the daemon expects of clocks, joints, sources of muscle signals, learners and assists."""
+
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from contextlib import AbstractAsyncContextManager
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bentod.frames import Command, EmgBlock, JointSpec, State, Value
+
+
+class Clock(Protocol):
+    """Time, injected: real in the daemon, virtual in tests and studies."""
+
+    def now(self) -> float:
+        """Monotonic seconds, the time base of the event loop (`loop.time()`)."""
+        ...
+
+    def wall(self) -> float:
+        """Seconds since the epoch; may jump, so it only labels."""
+        ...
+
+    async def sleep_until(self, deadline: float) -> None:
+        """Return once `now()` has reached `deadline` (s); at once when it has passed."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class ArmConfig:
+    """What a driver of joints is given."""
+
+    joints: tuple[JointSpec, ...]
+    period: float  # s between ticks
+    options: Mapping[str, Value]  # the driver's own table, checked by the driver
+
+
+class Joints(Protocol):
+    """An arm's joints behind one bus or several. Indices follow `ArmConfig.joints`.
+
+    Only the controller calls these, one call at a time.
+    """
+
+    async def read(self) -> State:
+        """One round on the bus, well within a tick. Never raises: what did not answer is stale or lost."""
+        ...
+
+    async def write(self, commands: Sequence[Command | None]) -> None:
+        """Send each joint its command (None: do not touch it, it is limp). Never raises for a silent bus.
+
+        Velocities and positions are within the joint's limits. Repeating a command costs no motion:
+        a joint that was told to stop keeps the goal that the first `Stop` gave it.
+        """
+        ...
+
+    async def set_torque(self, on: Sequence[bool]) -> None:
+        """Bring each joint's torque to `on`. A joint that is switched on is first pinned where it is.
+
+        Raises:
+            BusError: a joint did not confirm; its torque is then unknown.
+        """
+        ...
+
+    def torque(self) -> tuple[bool, ...]:
+        """Torque of each joint as last confirmed by the hardware; at opening, as it was found."""
+        ...
+
+
+OpenJoints: TypeAlias = Callable[[ArmConfig, Clock], AbstractAsyncContextManager[Joints]]
+"""How a driver is opened.
+
+Raises:
+    BusError: the port cannot be opened, or a servo is absent or not the one in the config.
+"""
+
+
+class FaultInjector(Protocol):
+    """What simulated hardware offers besides: to be broken on purpose. Real hardware does not have it."""
+
+    def faults(self) -> tuple[str, ...]:
+        """Names of the faults that can be injected, e.g. "cable", "silent", "stuck"."""
+        ...
+
+    def inject(self, fault: str, joint: int | None, on: bool) -> None:
+        """Switch a fault on or off, for one joint or (None) for the whole arm.
+
+        Raises:
+            BadRequest: no such fault, or it needs a joint.
+        """
+        ...
+
+
+class EmgSource(Protocol):
+    """A stream of muscle signals. Iteration ends when the source does."""
+
+    rate_hz: float
+    channels: int
+
+    def __aiter__(self) -> AsyncIterator[EmgBlock]:
+        """Blocks as they arrive, in order. Raises InputFileError when the source breaks."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class EmgConfig:
+    """What a source of muscle signals is given."""
+
+    rate_hz: float
+    channels: int  # least number of channels that the sites need
+    options: Mapping[str, Value]  # the source's own table, checked by the source
+
+
+OpenEmg: TypeAlias = Callable[[EmgConfig, Clock], AbstractAsyncContextManager[EmgSource]]
+"""How a source is opened.
+
+Raises:
+    InputFileError: the file or device cannot be used.
+"""
+
+
+Features: TypeAlias = NDArray[np.intp]
+"""Indices of the active binary features, unique and ascending, shape (k,)."""
+
+
+class Learner(Protocol):
+    """Many predictions learned on line over shared binary features. No clock, no input or output."""
+
+    def step(self, features: Features, cumulants: Sequence[float]) -> NDArray[np.float64]:
+        """Learn from the transition into `features`, then predict from there.
+
+        `cumulants`: one a prediction, observed on arrival. Returns the predictions, shape (gvfs,).
+        """
+        ...
+
+    def cut(self) -> None:
+        """Forget the previous step (not the weights): the next `step` only predicts."""
+        ...

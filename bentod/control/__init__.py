@@ -1,0 +1,1 @@
+"""What the wearer, the clients and the limits make of each joint in this tick."""

@@ -1,0 +1,1 @@
+"""Muscle signals between a source and the controller."""

@@ -1,0 +1,216 @@
+"""The values that flow through a tick: SI units and radians, frozen, one time base (monotonic seconds)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Value: TypeAlias = "bool | int | float | str | bytes | list[Value] | dict[str, Value] | None"
+"""What a config file or a message can hold."""
+
+Samples: TypeAlias = NDArray[np.float32]
+"""EMG in volts, shape (samples, channels)."""
+
+
+class Mode(StrEnum):
+    """What a joint is allowed to do; FAULT is of the whole arm."""
+
+    LIMP = "limp"  # torque off
+    HOLDING = "holding"  # torque on, pinned where it was found, not yet released to move
+    ACTIVE = "active"  # obeys the arbiter
+    PAUSED = "paused"  # stopped by an operator, holds
+    FAULT = "fault"  # latched; waits for an explicit clear
+
+
+class Freshness(StrEnum):
+    """How far a joint's reading can be trusted."""
+
+    FRESH = "fresh"  # read in this round
+    STALE = "stale"  # not answered in this round; the last value stands
+    LOST = "lost"  # silent for so long that the last value means nothing
+
+
+@dataclass(frozen=True, slots=True)
+class JointSpec:
+    """One joint as the config declares it."""
+
+    name: str
+    minimum: float  # rad
+    maximum: float  # rad
+    max_velocity: float  # rad/s, above 0
+    home: float  # rad
+    hardware: Mapping[str, Value]  # the driver's own keys, checked by the driver
+
+    def clamp(self, position: float) -> float:
+        """`position` (rad) brought into the joint's limits."""
+        return min(max(position, self.minimum), self.maximum)
+
+
+@dataclass(frozen=True, slots=True)
+class JointState:
+    """One joint as it was last read."""
+
+    position: float  # rad
+    velocity: float  # rad/s, positive towards `maximum`
+    load: float  # share of the greatest torque, -1..1, positive towards `maximum`
+    voltage: float  # V
+    temperature: float  # degrees Celsius
+    age: float  # s from the sampling of these values to the time of the State they are in
+    freshness: Freshness
+    errors: tuple[str, ...] = ()  # what the servo itself complains of, in its manual's words
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """All joints after one round on the bus."""
+
+    time: float  # monotonic s, end of the round
+    joints: tuple[JointState, ...]
+    problem: str = ""  # why no joint can be read at all, e.g. the port is gone
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """Come to rest and hold."""
+
+    kind: Literal["stop"] = "stop"
+
+
+@dataclass(frozen=True, slots=True)
+class Velocity:
+    """Keep moving at `velocity` (rad/s, signed, not 0)."""
+
+    velocity: float
+    kind: Literal["velocity"] = "velocity"
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """Go to `position` (rad) at no more than `speed` (rad/s, above 0)."""
+
+    position: float
+    speed: float
+    kind: Literal["position"] = "position"
+
+
+Command: TypeAlias = Stop | Velocity | Position
+"""What one joint is told for one tick."""
+
+Wishes: TypeAlias = Mapping[int, Command]
+"""What one source asks for, by joint index; a joint that is absent is not asked for anything."""
+
+
+@dataclass(frozen=True, slots=True)
+class EmgBlock:
+    """Samples as a source delivers them."""
+
+    first_index: int  # index of the first sample since the source was opened, gaps included
+    time: float  # monotonic s of the first sample
+    samples: Samples  # V, shape (n, channels)
+    dropped: int = 0  # samples known to be lost just before this block
+
+
+@dataclass(frozen=True, slots=True)
+class Prediction:
+    """What one general value function expects of one joint."""
+
+    joint: int
+    timescale: float  # steps, 1 / (1 - γ)
+    position: float  # rad
+
+
+@dataclass(frozen=True, slots=True)
+class JointFrame:
+    """One joint in one tick: what it did, what was asked, what was sent, and what is expected of it."""
+
+    name: str
+    mode: Mode
+    position: float  # rad
+    velocity: float  # rad/s
+    load: float  # -1..1
+    voltage: float  # V
+    temperature: float  # degrees Celsius
+    age: float  # s
+    freshness: Freshness
+    errors: tuple[str, ...]
+    asked: Mapping[str, Command]  # by source: "client", "home", "emg", "assist"
+    holder: str  # the source that won, with the client's name; empty when nobody asks
+    sent: Command | None  # None: nothing was written, the joint is limp or in fault
+    predictions: Mapping[str, float]  # rad, by timescale in steps, e.g. {"20": 0.31}
+
+
+@dataclass(frozen=True, slots=True)
+class EmgFrame:
+    """Muscle signals in one tick."""
+
+    alive: bool
+    paused: bool
+    problem: str  # why the source is not alive; empty otherwise
+    next_index: int  # index after the newest sample
+    age: float  # s since the newest sample
+    dropped: int  # samples lost since the source was opened
+    effort: Mapping[str, float]  # by site, 0..1
+    toggles: int  # since the start
+
+
+@dataclass(frozen=True, slots=True)
+class GroupFrame:
+    """One joint group in one tick."""
+
+    name: str
+    joints: tuple[str, ...]
+    active: str
+    effort: float  # -1..1, what the operator asks of the active joint
+
+
+@dataclass(frozen=True, slots=True)
+class GoalFrame:
+    """A long-running request in one tick."""
+
+    id: int
+    kind: str  # "go_home"
+    status: Literal["accepted", "moving", "done", "cancelled"]
+    progress: float  # 0..1
+    reason: str = ""  # why it was cancelled
+
+
+@dataclass(frozen=True, slots=True)
+class AssistFrame:
+    """What collaborative control does in one tick, and why."""
+
+    mode: str
+    engaged: bool
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """Everything about one tick, published as one atomic message."""
+
+    tick: int
+    time: float  # monotonic s, the tick's deadline
+    wall: float  # s since the epoch
+    lateness: float  # s from the deadline to the start of the tick
+    missed: int  # ticks skipped since the start
+    rate_hz: float
+    mode: Mode  # FAULT, or the mode that the least restrained joint is in
+    fault: str  # why; empty when there is none
+    joints: tuple[JointFrame, ...]
+    emg: EmgFrame
+    groups: tuple[GroupFrame, ...]
+    assist: AssistFrame
+    goal: GoalFrame | None
+    meta: Value
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened once."""
+
+    time: float  # monotonic s
+    kind: str  # "mode", "fault", "group", "goal", "emg", "servo", "client"
+    text: str  # a sentence
+    data: Mapping[str, Value]

@@ -1,0 +1,1 @@
+"""Learning, while the arm is in use, what the wearer is about to do."""

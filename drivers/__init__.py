@@ -1,0 +1,1 @@
+"""Real hardware: what turns bentod's contracts into bytes on a wire."""

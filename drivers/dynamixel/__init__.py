@@ -1,0 +1,1 @@
+"""Dynamixel servos in joint mode."""

@@ -1,0 +1,1 @@
+"""Simulated hardware, simulated people, and the studies that use them."""

@@ -1,0 +1,21 @@
+"""Every async test runs in virtual time, unless it is marked `real_time`."""
+
+import asyncio
+from collections.abc import Callable, Mapping
+
+import pytest
+
+from sim.clock import VirtualClock, VirtualLoop
+
+
+def pytest_asyncio_loop_factories(
+    config: pytest.Config, item: pytest.Item
+) -> Mapping[str, Callable[[], asyncio.AbstractEventLoop]]:
+    if item.get_closest_marker("real_time"):
+        return {"real": asyncio.new_event_loop}
+    return {"virtual": VirtualLoop}
+
+
+@pytest.fixture
+def clock() -> VirtualClock:
+    return VirtualClock()
