@@ -1,0 +1,61 @@
+# Needs python3 >= 3.11 with venv, and a package index that pip can reach; everything else it makes itself.
+
+PYTHON ?= python3
+VENV ?= .venv
+CONFIG ?= config/sim.toml
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check -qq
+INSTALL := $(PIP) install --constraint constraints.txt --build-constraint constraints.txt --editable .
+
+.DEFAULT_GOAL := help
+.PHONY: run test check bench clean help
+
+run: $(VENV)/run.stamp ## start the daemon with a simulated arm (CONFIG=FILE for another)
+	@exec $(BIN)/bentod run --config $(CONFIG)
+
+test: $(VENV)/test.stamp ## run the tests (ARGS="-k word" goes to pytest)
+	@$(BIN)/python -m pytest $(ARGS)
+
+check: $(VENV)/check.stamp ## lint, format, types, layers
+	@echo "ruff: lint and format" && $(BIN)/ruff check --quiet && $(BIN)/ruff format --check --quiet
+	@echo "mypy: types" && $(BIN)/mypy --no-error-summary
+	@echo "import-linter: layers" && $(BIN)/lint-imports --no-logo
+
+bench: $(VENV)/test.stamp ## measure: NAME=core prints a table and writes build/bench/core.json
+	@test -f "tests/benchmarks/$(NAME).py" || { \
+	  echo "make bench NAME=x, where x is one of: $(BENCHMARKS)"; exit 2; }
+	@$(BIN)/python -m tests.benchmarks.$(NAME)
+
+BENCHMARKS := $(filter-out __init__ harness test_%,$(notdir $(basename $(wildcard tests/benchmarks/*.py))))
+
+clean: ## remove what builds, tests and checks leave behind (the environment stays)
+	@rm -rf build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	@find bentod drivers sim tests -name __pycache__ -type d -prune -exec rm -rf {} +
+
+help: ## say what can be made
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
+
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("bentod needs Python 3.11 or later; try make PYTHON=python3.12")'
+	@echo "Making an environment in $(VENV)"
+	@$(PYTHON) -m venv $(VENV) || { rm -f $@; echo "no venv for $(PYTHON) (on Debian: apt install python3-venv)"; exit 1; }
+
+# An old pip knows neither dependency groups nor build constraints.
+$(VENV)/pip.stamp: constraints.txt | $(BIN)/python
+	@$(PIP) install --constraint constraints.txt --upgrade pip
+	@touch $@
+
+$(VENV)/run.stamp: pyproject.toml constraints.txt $(VENV)/pip.stamp
+	@echo "Installing bentod and what it needs (once; a minute or so)"
+	@$(INSTALL)
+	@touch $@
+
+$(VENV)/test.stamp: $(VENV)/run.stamp
+	@echo "Installing what the tests need"
+	@$(INSTALL) --group test
+	@touch $@
+
+$(VENV)/check.stamp: $(VENV)/test.stamp
+	@echo "Installing the linters"
+	@$(INSTALL) --group test --group check
+	@touch $@
