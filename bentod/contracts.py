@@ -3,7 +3,7 @@
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +75,7 @@ Raises:
 """
 
 
+@runtime_checkable
 class FaultInjector(Protocol):
     """What simulated hardware offers besides: to be broken on purpose. Real hardware does not have it."""
 

@@ -1,5 +1,17 @@
 """Errors that say who must act: the person at the config, at the cable, or at the arm."""
 
+import difflib
+from collections.abc import Iterable
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """The end of a sentence about an unknown name: what may have been meant, or what there is."""
+    names = sorted(known)
+    close = difflib.get_close_matches(name[:64], names, n=1, cutoff=0.5)
+    if close:
+        return f"; did you mean '{close[0]}'?"
+    return f" (known: {', '.join(names)})" if names else ""
+
 
 class BentodError(Exception):
     """Base of every error that bentod raises on purpose; the text is a sentence for a person."""

@@ -128,6 +128,7 @@ class JointFrame:
 
     name: str
     mode: Mode
+    torque: bool
     position: float  # rad
     velocity: float  # rad/s
     load: float  # -1..1

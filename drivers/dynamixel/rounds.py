@@ -1,0 +1,56 @@
+"""Whom to ask in a round of reading, so that a silent servo silences nobody else.
+
+In a bulk read each servo waits for the packet of the one before it, so one that is silent breaks the chain
+for all behind it.
+"""
+
+from collections.abc import Collection, Sequence
+
+LONGEST_PAUSE = 0.25
+"""s: a servo that stays silent is asked again at least this often."""
+
+
+class Roll:
+    """Keeps the silent apart: they are asked last, one at a time, and ever more rarely."""
+
+    def __init__(self, ids: Sequence[int], now: float) -> None:
+        self._ids = tuple(ids)
+        self._heard = dict.fromkeys(ids, now)
+        self._asked = dict.fromkeys(ids, now)
+        self._silent: set[int] = set()
+        self._left: list[int] = []
+
+    def begin(self, now: float) -> None:
+        """A new round: whoever is not silent, then whoever is and has been left alone for long enough."""
+        talking = [id_ for id_ in self._ids if id_ not in self._silent]
+        self._left = talking + [id_ for id_ in self._ids if id_ in self._silent and self._due(id_, now)]
+
+    def chain(self) -> list[int]:
+        """Whom to ask next in this round: at most one of the silent, as the last. Empty: done."""
+        chain: list[int] = []
+        for id_ in self._left:
+            chain.append(id_)
+            if id_ in self._silent:
+                break
+        return chain
+
+    def note(self, chain: Sequence[int], answered: Collection[int], now: float) -> None:
+        """Of `chain`, `answered` were heard. Who stands behind the last of them is silent.
+
+        Who is missing before that did reply, or the chain would have ended there: its reply was damaged,
+        and it is asked once more.
+        """
+        reached = max((i for i, id_ in enumerate(chain) if id_ in answered), default=-1)
+        for id_ in answered:
+            self._heard[id_] = now
+        self._silent.difference_update(answered)
+        done = set(answered)
+        if reached + 1 < len(chain):
+            done.add(chain[reached + 1])
+            self._silent.add(chain[reached + 1])
+            self._asked[chain[reached + 1]] = now
+        self._left = [id_ for id_ in self._left if id_ not in done]
+
+    def _due(self, id_: int, now: float) -> bool:
+        pause = min((self._asked[id_] - self._heard[id_]) / 4, LONGEST_PAUSE)
+        return now - self._asked[id_] >= pause
