@@ -1,0 +1,123 @@
+"""The blocking client of the daemon, for notebooks and the command line."""
+
+import itertools
+import os
+import socket
+import time
+from collections import deque
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from bentod.endpoint import (
+    BACKLOG,
+    GENEROUS,
+    Disconnected,
+    complaint,
+    connecting,
+    default_socket_path,
+    either,
+    result_of,
+)
+from bentod.frames import Value
+from bentod.messages import GREATEST_ID, Decoder, Message, Notification, Response, encode_request
+
+
+class BlockingClient:
+    """`with BlockingClient(path) as arm: arm.call("stop")`. For one thread; notifications wait until read."""
+
+    def __init__(self, path: Path | str | None = None, timeout_s: float = 5.0) -> None:
+        """Connect to the daemon at `path`, or at the default one; `timeout_s` holds for every answer.
+
+        Raises:
+            Disconnected: nobody listens there.
+        """
+        where = os.fspath(path or default_socket_path())
+        self._timeout = timeout_s
+        self._decoder = Decoder(GENEROUS)
+        self._ids = itertools.count()
+        self._waiting: deque[Notification] = deque(maxlen=BACKLOG)
+        self._socket = socket.socket(socket.AF_UNIX)
+        try:
+            with connecting(where):
+                self._socket.settimeout(timeout_s)
+                self._socket.connect(where)
+        except Disconnected:
+            self.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Leave; what was held for this client ends."""
+        self._socket.close()
+
+    def call(self, method: str, /, *params: Value, **named: Value) -> Value:
+        """Ask and wait for the answer; parameters by position or by name, not both.
+
+        Raises:
+            RpcError: the daemon refused.
+            Disconnected: the connection is lost, or no answer came in time.
+        """
+        id_ = next(self._ids) & GREATEST_ID
+        deadline = time.monotonic() + self._timeout
+        self._send(encode_request(id_, method, either(params, named)))
+        while message := self._next(deadline):
+            if isinstance(message, Notification):
+                self._waiting.append(message)
+            elif isinstance(message, Response) and message.id == id_:
+                return result_of(message)
+        raise Disconnected(f"The daemon did not answer {method} within {self._timeout:g} s.")
+
+    def notifications(self, timeout_s: float | None = None) -> Iterator[Notification]:
+        """What subscriptions bring: "state" with a frame, "event" with an event. Ends after a silence.
+
+        Raises:
+            Disconnected: the connection is lost.
+        """
+        while True:
+            if self._waiting:
+                yield self._waiting.popleft()
+                continue
+            message = self._next(None if timeout_s is None else time.monotonic() + timeout_s)
+            if message is None:
+                return
+            if isinstance(message, Notification):
+                yield message
+
+    def _next(self, deadline: float | None) -> Message | None:
+        while (message := next(self._decoder, None)) is None:
+            data = self._receive(deadline)
+            if data is None:
+                return None
+            self._decoder.feed(data)
+        if isinstance(message, Notification) and message.method == "error":
+            raise complaint(message)
+        return message
+
+    def _send(self, data: bytes) -> None:
+        try:
+            self._socket.settimeout(self._timeout)
+            self._socket.sendall(data)
+        except OSError as error:
+            self.close()  # half a message may be on its way
+            raise Disconnected(f"The connection to the daemon is lost: {error}.") from error
+
+    def _receive(self, deadline: float | None) -> bytes | None:
+        try:
+            self._socket.settimeout(None if deadline is None else max(deadline - time.monotonic(), 1e-3))
+            data = self._socket.recv(65536)
+        except TimeoutError:
+            return None
+        except OSError as error:
+            raise Disconnected(f"The connection to the daemon is lost: {error}.") from error
+        if not data:
+            raise Disconnected("The daemon closed the connection.")
+        return data

@@ -1,0 +1,70 @@
+"""`bentod check`: every mistake of a config at once, or what the config means."""
+
+from pathlib import Path
+
+import click
+
+from bentod.cli.configs import read
+from bentod.config import Config
+from bentod.errors import ConfigError
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--emg", default="", help="Replace the EMG source, e.g. replay:FILE or replay:FILE#ARRAY.")
+@click.option("--port", default="", help="Replace the driver's port.")
+def check(file: Path, emg: str, port: str) -> None:
+    """Check the config FILE and explain what it says. Exits with 1 if it has mistakes."""
+    try:
+        config = read(file, emg, port)
+    except ConfigError as error:
+        for line in str(error).splitlines():
+            click.echo(line, err=True)
+        raise SystemExit(1) from error
+    for line in explain(config):
+        click.echo(line)
+
+
+def explain(config: Config) -> list[str]:
+    """The config in sentences."""
+    safety = config.safety
+    lines = [
+        f"{config.arm}: {len(config.joints)} joints on the driver '{config.driver.name}', "
+        f"{config.rate_hz:g} ticks a second.",
+        f"It starts {safety.start}, ends {safety.exit}, and a fault makes it {safety.fault}.",
+        f"A joint that does not answer is held after {safety.hold_after_s:g} s, "
+        f"and after {safety.fault_after_s:g} s the arm is in fault.",
+    ]
+    lines += [
+        f"  {joint.name}: {joint.min_rad:+.3f} to {joint.max_rad:+.3f} rad, "
+        f"up to {joint.max_velocity_rad_s:g} rad/s, home at {joint.home_rad:+.3f} rad"
+        for joint in config.joints
+    ]
+    lines += [f"Group {group.name}: {' → '.join(group.joints)}." for group in config.groups]
+    return [*lines, *_explain_muscles(config), *_explain_mind(config)]
+
+
+def _explain_muscles(config: Config) -> list[str]:
+    if config.emg is None:
+        return ["No muscles: there is no [emg] table."]
+    emg = config.emg
+    lines = [f"EMG from '{emg.source.name}' at {emg.rate_hz:g} Hz, {len(emg.sites)} sites."]
+    for pair in emg.pairs:
+        toggled = f", toggled by {pair.toggle}" if pair.toggle else ""
+        lines.append(f"  {pair.positive} minus {pair.negative} drives the group {pair.group}{toggled}.")
+    return lines
+
+
+def _explain_mind(config: Config) -> list[str]:
+    if config.learn is None:
+        return ["Nothing is learned: there is no [learn] table."]
+    learn = config.learn
+    predicted = len(learn.predict or config.joints) * len(learn.timescales)
+    lines = [f"{predicted} predictions are learned from {', '.join(learn.joints)}."]
+    if config.assist and config.assist.mode != "off":
+        assist = config.assist
+        lines.append(
+            f"Assist {assist.mode} moves unattended joints of the group {assist.group} "
+            f"to where they are expected in {assist.timescale / config.rate_hz:.2f} s."
+        )
+    return lines

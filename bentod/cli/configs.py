@@ -1,0 +1,52 @@
+"""Where config files are, and how the command line reads them."""
+
+import sys
+import sysconfig
+from pathlib import Path
+
+from bentod import registry
+from bentod.config import Chosen, Config
+from bentod.config_file import Overrides, load
+from bentod.errors import ConfigError
+
+DEFAULT = "sim.toml"
+"""What runs when nobody says: the simulated arm."""
+
+
+def read(path: Path | None, emg: str = "", port: str = "") -> Config:
+    """The config at `path`, or the shipped one of that name.
+
+    `emg`, e.g. "replay:FILE", replaces its EMG source and `port` its driver's port.
+
+    Raises:
+        ConfigError: there is no such file, or it has mistakes; one line for each.
+    """
+    overrides = Overrides(parse_source(emg) if emg else None, port)
+    return load(find(path or Path(DEFAULT)), registry, overrides)
+
+
+def find(path: Path) -> Path:
+    """`path` itself, or the shipped config that it names. Raises ConfigError: neither exists."""
+    shipped = [folder / path.name for folder in _folders()]
+    candidates = [path, *(shipped if path.name == str(path) else [])]
+    for candidate in candidates:
+        if candidate.is_file():
+            return candidate
+    names = sorted({p.name for folder in _folders() for p in folder.glob("*.toml")})
+    raise ConfigError(f"there is no config file {path} (shipped: {', '.join(names)})")
+
+
+def parse_source(text: str) -> Chosen:
+    """An EMG source from the command line: "NAME", "replay:FILE" or "replay:FILE#ARRAY"."""
+    name, _, rest = text.partition(":")
+    file, _, array = rest.partition("#")
+    return Chosen.model_validate(
+        {"name": name} | ({"file": file} if file else {}) | ({"array": array} if array else {})
+    )
+
+
+def _folders() -> list[Path]:
+    """Beside the checkout, and where the wheel puts them."""
+    shared = Path("share", "bentod", "config")
+    roots = [Path(sysconfig.get_path("data")), Path(sys.prefix)]
+    return [Path(__file__).parents[2] / "config", *(root / shared for root in roots)]

@@ -1,0 +1,125 @@
+"""The way from a command of `bentod ctl` to the daemon: connect, ask, show, end with the right exit code."""
+
+import json
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+
+from bentod.blocking import BlockingClient
+from bentod.cli import show
+from bentod.endpoint import Disconnected
+from bentod.errors import BadRequest, BentodError
+from bentod.frames import Value
+
+
+class Failed(click.ClickException):
+    """Refused or cancelled: one line on stderr."""
+
+    exit_code = 1
+
+
+class Misused(Failed):
+    """The command or a value in it must be mended."""
+
+    exit_code = 2
+
+
+class NoDaemon(Failed):
+    """The daemon must be started, or looked for elsewhere."""
+
+    exit_code = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """What the options of `ctl` say."""
+
+    path: Path
+    timeout: float  # s for one answer
+    as_json: bool
+
+    @contextmanager
+    def open(self) -> Iterator[BlockingClient]:
+        """A connection; errors of the daemon become exit codes.
+
+        Raises:
+            Failed: the daemon refused, the request is wrong, or there is no daemon.
+        """
+        try:
+            with BlockingClient(self.path, self.timeout) as arm:
+                yield arm
+        except BentodError as error:
+            raise _failure(error) from error
+
+    def do(self, method: str, /, **named: Value) -> None:
+        """Ask one thing and show the answer, if there is one."""
+        with self.open() as arm:
+            result = arm.call(method, **named)
+        if result is not None or self.as_json:
+            self.show(result, show.as_text(result))
+
+    def show(self, value: Value, text: str) -> None:
+        """Print `value` as JSON or as `text`."""
+        click.echo(show.as_json(value) if self.as_json else text)
+
+    def hold(self, method: str, seconds: float, lease: float, /, **named: Value) -> None:
+        """Repeat a wish, well within its lease (s), until `seconds` have passed; then let it go."""
+        with self.open() as arm:
+            arm.call("hello", name="ctl")
+            end = time.monotonic() + seconds
+            while (left := end - time.monotonic()) > 0:
+                arm.call(method, **named, lease_s=lease)
+                time.sleep(min(lease / 3, left))
+
+    def watch(self, topic: str, rate_hz: float) -> Iterator[Value]:
+        """Notifications of one topic, until interrupted."""
+        with suppress(KeyboardInterrupt), self.open() as arm:
+            arm.call("subscribe", topic=topic, rate_hz=rate_hz)
+            for notification in arm.notifications():
+                yield from show.entries(notification.params)
+
+
+def _failure(error: BentodError) -> Failed:
+    if isinstance(error, Disconnected):
+        return NoDaemon(str(error))
+    return Misused(str(error)) if error.code == BadRequest.code else Failed(str(error))
+
+
+def assigned(words: Iterable[str]) -> dict[str, Value]:
+    """`key=value` words as named parameters; a value is JSON, or on, off, or else a text.
+
+    Raises:
+        Misused: a word has no `=`.
+    """
+    pairs = [word.partition("=") for word in words]
+    for key, sign, _ in pairs:
+        if not sign:
+            raise Misused(f"'{key}' is not of the form name=value.")
+    return {key: parsed(value) for key, _, value in pairs}
+
+
+def parsed(text: str) -> Value:
+    """The value that a person means by `text`."""
+    if text in ("on", "off"):
+        return text == "on"
+    try:
+        value: Value = json.loads(text)
+    except ValueError:
+        return text
+    return value
+
+
+def switch(words: tuple[str, ...]) -> tuple[bool, tuple[str, ...]]:
+    """A leading "on" or "off" (on when there is neither), and the rest."""
+    if words and words[0] in ("on", "off"):
+        return words[0] == "on", words[1:]
+    return True, words
+
+
+def several(joints: tuple[str, ...]) -> Value:
+    """Joints as the daemon takes them: a list, or nil for all."""
+    return list(joints) or None

@@ -1,0 +1,80 @@
+"""`bentod run`: the daemon, with a live view when it stands on a terminal."""
+
+import asyncio
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import click
+
+from bentod import logs
+from bentod.cli.configs import read
+from bentod.clock import SystemClock
+from bentod.config import Config
+from bentod.daemon import Daemon, environment_supervisor, socket_path
+from bentod.errors import BentodError
+
+
+@click.command()
+@click.option("--config", type=click.Path(path_type=Path), help="Config file; default: the simulated arm.")
+@click.option("--emg", default="", help="Replace the EMG source, e.g. replay:FILE or replay:FILE#ARRAY.")
+@click.option("--port", default="", help="Replace the driver's port, e.g. by that of `bentod sim-bus`.")
+@click.option("--socket", type=click.Path(path_type=Path), help="Socket path; default: see the README.")
+@click.option("--ticks", type=click.IntRange(min=0), default=0, help="End by itself after so many ticks.")
+@click.option("--view/--no-view", default=None, help="Live view; default: on a terminal.")
+@click.option("--log-level", default="INFO", type=click.Choice(["DEBUG", "INFO", "WARNING", "ERROR"]))
+def run(
+    config: Path | None,
+    emg: str,
+    port: str,
+    socket: Path | None,
+    ticks: int,
+    view: bool | None,
+    log_level: str,
+) -> None:
+    """Run the daemon until Ctrl-C or SIGTERM; the arm is then left as the config says."""
+    shown = sys.stdout.isatty() if view is None else view
+    try:
+        checked = read(config, emg, port)
+        where = socket_path(checked, socket)
+        with ExitStack() as stack:
+            file = _log_file() if shown else None
+            stream = stack.enter_context(open(os.devnull, "w", encoding="utf-8")) if shown else None
+            stack.enter_context(logs.setup(log_level, stream=stream, file=file))
+            if shown:
+                stack.enter_context(_viewer(where))
+            left = asyncio.run(_serve(checked, where, ticks))
+    except BentodError as error:
+        for line in str(error).splitlines():
+            click.echo(f"bentod: {line}", err=True)
+        raise SystemExit(1) from error
+    if shown:
+        click.echo(f"{left} The log is in {file}")
+
+
+async def _serve(config: Config, socket: Path, ticks: int) -> str:
+    async with SystemClock() as clock:
+        with environment_supervisor() as supervisor:
+            return await Daemon(config, clock, supervisor, socket).run(ticks)
+
+
+@contextmanager
+def _viewer(socket: Path) -> Iterator[None]:
+    """The live view, as a process and a client of its own: a terminal that is stuck cannot delay a tick."""
+    command = [sys.executable, "-m", "bentod", "watch", "--socket", os.fspath(socket)]
+    with subprocess.Popen(command) as viewer:  # noqa: S603 -- our own program
+        try:
+            yield
+        finally:
+            viewer.terminate()
+
+
+def _log_file() -> Path:
+    """Where the log goes while the terminal shows the view."""
+    state = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state")
+    folder = state / "bentod"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder / "bentod.log"

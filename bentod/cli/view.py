@@ -1,0 +1,122 @@
+"""The live view as lines of text: what the arm does, why, and what it expects. Pure; `watch` draws it."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from bentod.frames import Value
+
+WIDTH = 100
+"""Columns that the view needs."""
+
+_BOLD, _DIM, _RED, _OFF = "\x1b[1m", "\x1b[2m", "\x1b[31;1m", "\x1b[0m"
+
+Table = Mapping[str, Value]
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """A joint's limits, rad."""
+
+    minimum: float
+    maximum: float
+
+
+def lines(frame: Table, ranges: Mapping[str, Range], events: Sequence[str]) -> list[str]:
+    """One frame as the lines of a screen; `events`: the latest sentences, oldest first."""
+    joints = [_table(joint) for joint in _list(frame, "joints")]
+    selected = {_text(_table(group), "active") for group in _list(frame, "groups")[:1]}
+    return [
+        *_head(frame),
+        f"{_DIM}    joint               angle  {'':21}     velocity  mode      expected  moved by{_OFF}",
+        *(_joint(joint, ranges, _text(joint, "name") in selected) for joint in joints),
+        "",
+        *_muscles(frame),
+        f"  assist    {_text(_table(frame['assist']), 'reason')}",
+        *_goal(frame),
+        "",
+        *(f"{_DIM}  {event[: WIDTH - 4]}{_OFF}" for event in events),
+    ]
+
+
+def _head(frame: Table) -> list[str]:
+    mode, fault = _text(frame, "mode").upper(), _text(frame, "fault")
+    late = _number(frame, "lateness") * 1e3
+    return [
+        f"  {_RED if fault else _BOLD}{mode:<8}{_OFF}"
+        f"   tick {_number(frame, 'tick'):.0f}   {_number(frame, 'rate_hz'):g} Hz"
+        f"   late {late:5.2f} ms   missed {_number(frame, 'missed'):.0f}",
+        f"  {_RED}{fault[: WIDTH - 4]}{_OFF}" if fault else "",
+    ]
+
+
+def _joint(joint: Table, ranges: Mapping[str, Range], selected: bool) -> str:
+    name = _text(joint, "name")
+    position, velocity = _number(joint, "position"), _number(joint, "velocity")
+    predictions = [_as_number(value) for value in _table(joint["predictions"]).values()]
+    expected = predictions[-1] if predictions else math.nan
+    mark = f"{_BOLD}▸{_OFF}" if selected else " "
+    freshness = _text(joint, "freshness")
+    why = _text(joint, "holder") if freshness == "fresh" else f"{freshness} {_number(joint, 'age'):.1f} s"
+    return (
+        f"  {mark} {name:<18} {_degrees(position)}  {_bar(position, expected, ranges.get(name))}"
+        f"  {_degrees(velocity)}/s  {_text(joint, 'mode'):<8}  {_degrees(expected)}  {why}"
+    )
+
+
+def _bar(position: float, expected: float, limits: Range | None, width: int = 21) -> str:
+    """Where the joint is (●) and is expected to be (○) between its limits."""
+    cells = ["·"] * width
+    for value, sign in ((expected, "○"), (position, "●")):
+        if limits and math.isfinite(value):
+            share = (value - limits.minimum) / (limits.maximum - limits.minimum)
+            cells[min(max(round(share * (width - 1)), 0), width - 1)] = sign
+    return "".join(cells)
+
+
+def _muscles(frame: Table) -> list[str]:
+    emg = _table(frame["emg"])
+    problem = _text(emg, "problem")
+    if problem:
+        return [f"  muscles   {_RED}{problem}{_OFF}"]
+    sites = "   ".join(f"{site} {_gauge(_as_number(v))}" for site, v in _table(emg["effort"]).items())
+    paused = "   (paused)" if emg["paused"] else ""
+    return [f"  muscles   {sites}   toggles {_number(emg, 'toggles'):.0f}{paused}"]
+
+
+def _gauge(effort: float, width: int = 10) -> str:
+    full = round(effort * width)
+    return "█" * full + "░" * (width - full)
+
+
+def _goal(frame: Table) -> list[str]:
+    if frame["goal"] is None:
+        return []
+    goal = _table(frame["goal"])
+    reason = f": {_text(goal, 'reason')}" if goal["reason"] else ""
+    return [f"  {_text(goal, 'kind'):<9} {_text(goal, 'status')} {_number(goal, 'progress'):.0%}{reason}"]
+
+
+def _degrees(radians: float) -> str:
+    return f"{math.degrees(radians):+7.1f}°" if math.isfinite(radians) else "      – "
+
+
+def _table(value: Value) -> Table:
+    return value if isinstance(value, dict) else {}
+
+
+def _list(table: Table, key: str) -> list[Value]:
+    value = table.get(key)
+    return value if isinstance(value, list) else []
+
+
+def _text(table: Table, key: str) -> str:
+    return str(table.get(key, ""))
+
+
+def _number(table: Table, key: str) -> float:
+    return _as_number(table.get(key))
+
+
+def _as_number(value: Value) -> float:
+    return float(value) if isinstance(value, int | float) else math.nan

@@ -1,0 +1,95 @@
+"""`bentod watch`: the live view in a terminal, a client of the socket like any other."""
+
+import asyncio
+import signal
+import time
+from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import click
+
+from bentod.cli.view import Range, lines
+from bentod.client import Client
+from bentod.endpoint import Disconnected
+from bentod.frames import Value
+
+RATE_HZ = 10
+"""Frames drawn a second: more only flickers."""
+
+PATIENCE_S = 10.0
+"""How long to wait for a daemon that is still starting."""
+
+_ENTER = "\x1b[?1049h\x1b[?25l"  # alternate screen, no cursor
+_LEAVE = "\x1b[?25h\x1b[?1049l"
+_HELP = "  Ctrl-C ends.   From another terminal: bentod ctl pause | torque off | go-home | --help"
+
+
+@click.command()
+@click.option("--socket", type=click.Path(path_type=Path), help="Socket of the daemon.")
+def watch(socket: Path | None) -> None:
+    """Show the running daemon until Ctrl-C or its end."""
+    with _screen():
+        asyncio.run(_watch(socket))
+
+
+async def _watch(socket: Path | None) -> None:
+    """Draw until the daemon or the user ends."""
+    task = asyncio.ensure_future(_draw(socket))
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, task.cancel)
+    with suppress(asyncio.CancelledError, Disconnected):
+        await task
+
+
+async def _draw(socket: Path | None) -> None:
+    await _await_daemon(socket)
+    events: deque[str] = deque(maxlen=8)
+    async with Client.connect(socket) as arm, asyncio.TaskGroup() as tasks:
+        ranges = _ranges(await arm.call("get_info"))
+        listener = tasks.create_task(_listen(arm, events))
+        try:
+            async for frame in arm.subscribe_state(RATE_HZ):
+                screen = [*lines(frame, ranges, list(events)), "", _HELP]
+                click.echo("\x1b[H" + "".join(f"{line}\x1b[K\r\n" for line in screen) + "\x1b[J", nl=False)
+        finally:
+            listener.cancel()
+
+
+async def _listen(arm: Client, events: deque[str]) -> None:
+    async for event in arm.subscribe_events():
+        events.append(f"{time.strftime('%H:%M:%S')}  {event['text']!s}")
+
+
+async def _await_daemon(socket: Path | None) -> None:
+    """Return once the daemon can be reached. Raises Disconnected: it did not come."""
+    deadline = time.monotonic() + PATIENCE_S
+    while True:
+        try:
+            async with Client.connect(socket):
+                return
+        except Disconnected:
+            if time.monotonic() > deadline:
+                raise
+        await asyncio.sleep(0.1)
+
+
+def _ranges(info: Value) -> dict[str, Range]:
+    joints = info.get("joints") if isinstance(info, dict) else None
+    found: dict[str, Range] = {}
+    for joint in joints if isinstance(joints, list) else []:
+        match joint:
+            case {"name": str(name), "min_rad": float(low), "max_rad": float(high)}:
+                found[name] = Range(low, high)
+    return found
+
+
+@contextmanager
+def _screen() -> Iterator[None]:
+    click.echo(_ENTER, nl=False)
+    try:
+        yield
+    finally:
+        click.echo(_LEAVE, nl=False)

@@ -1,0 +1,209 @@
+"""Builds everything from the config, runs it, and takes it apart in the order that is safe."""
+
+import asyncio
+import logging
+import os
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AsyncExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from bentod import registry
+from bentod.config import Config
+from bentod.contracts import ArmConfig, Clock, EmgConfig, FaultInjector, Joints
+from bentod.control.groups import Groups
+from bentod.control.health import Ladder
+from bentod.control.modes import Modes
+from bentod.desk import Desk, Rules
+from bentod.emg.feed import Feed
+from bentod.endpoint import default_socket_path
+from bentod.errors import BentodError
+from bentod.frames import Event, Frame
+from bentod.inbox import Inbox
+from bentod.mind import Mind
+from bentod.muscles import Muscles
+from bentod.serve.methods import arm_methods
+from bentod.serve.room import About, Room
+from bentod.serve.server import Server
+from bentod.supervise import Supervisor
+from bentod.tick import Controller
+
+_log = logging.getLogger(__name__)
+
+_LEVELS = {"fault": logging.WARNING, "servo": logging.WARNING, "group": logging.DEBUG, "goal": logging.DEBUG}
+"""Of events; what happens every few seconds while the arm is used is for subscribers, not for the log."""
+
+_SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+
+
+@dataclass(slots=True)
+class Daemon:
+    """One arm, from the config to the last tick."""
+
+    config: Config
+    clock: Clock
+    supervisor: Supervisor
+    socket: Path
+
+    async def run(self, ticks: int = 0) -> str:
+        """Serve until a signal comes, or for a number of ticks; returns how the arm was left, in a sentence.
+
+        Raises:
+            ConfigError: a driver or source cannot be loaded, or there can be no socket at the path.
+            BusError: the arm is not the one in the config, or cannot be reached.
+            InputFileError: the EMG source cannot be opened.
+            Refused: another daemon serves this socket.
+        """
+        async with AsyncExitStack() as stack:
+            # The socket comes first: a second daemon is refused before it touches the arm.
+            inbox = Inbox()
+            room = Room(inbox, self._about())
+            server = await stack.enter_async_context(Server(arm_methods(room), self.socket))
+            stack.callback(inbox.close, "the daemon is ending")
+            joints = await self._open_joints(stack)
+            room.injector = joints if isinstance(joints, FaultInjector) else None
+            feed = await self._open_feed(stack)
+            desk = self._desk(joints, feed)
+            publisher = _Publisher(room, server, self.supervisor, self.clock)
+            ladder = self._ladder()
+            controller = Controller(
+                joints, desk, inbox, ladder, self.clock, self.config.rate_hz, publisher.publish
+            )
+            _log.info("serving %s on %s", self.config.arm, self.socket)
+            stack.enter_context(_signals_call(controller.end))
+            torque = await self._live(controller, inbox, feed, ticks)
+            left = self._left(torque)
+            _log.log(logging.WARNING if any(torque) else logging.INFO, "%s", left)
+            return left
+
+    async def _live(
+        self, controller: Controller, inbox: Inbox, feed: Feed | None, ticks: int
+    ) -> tuple[bool, ...]:
+        """Run the tick beside the tasks that feed it, then settle the arm whatever happened."""
+        async with asyncio.TaskGroup() as tasks:
+            helpers = [tasks.create_task(self._start(inbox), name="start")]
+            if feed:
+                helpers.append(tasks.create_task(feed.pump(), name="emg"))
+            try:
+                await controller.run(ticks)
+            finally:
+                self.supervisor.stopping()
+                torque = await controller.settle(limp=self.config.safety.exit == "limp")
+                for helper in helpers:
+                    helper.cancel()
+        return torque
+
+    def _left(self, torque: Sequence[bool]) -> str:
+        """How the arm was left, honestly: what was asked for may not have been confirmed."""
+        holding = [joint.name for joint, on in zip(self.config.joints, torque, strict=True) if on]
+        if not holding:
+            return "The arm was left limp."
+        if self.config.safety.exit == "hold":
+            return f"The arm was left with torque on, as the config asks: {', '.join(holding)}."
+        return f"Torque may still be on, because no servo confirmed that it is off: {', '.join(holding)}."
+
+    async def _start(self, inbox: Inbox) -> None:
+        """Bring the arm to the mode that the config wants it to start in."""
+        wanted = self.config.safety.start
+        try:
+            if wanted in ("hold", "active"):
+                await inbox.ask(lambda desk: desk.torque(desk.select(None), True))
+            if wanted == "active":
+                await inbox.ask(lambda desk: desk.pause(desk.select(None), False))
+            answer = await inbox.ask(lambda desk: desk.modes.arm)
+        except BentodError as error:
+            _log.warning("the arm did not start as the config asks: %s", error)
+        else:
+            _log.info("the arm is %s", answer.result.value)
+        self.supervisor.ready()
+
+    async def _open_joints(self, stack: AsyncExitStack) -> Joints:
+        driver = self.config.driver
+        specs = tuple(joint.spec() for joint in self.config.joints)
+        config = ArmConfig(specs, 1 / self.config.rate_hz, driver.options)
+        return await stack.enter_async_context(registry.open_joints(driver.name)(config, self.clock))
+
+    async def _open_feed(self, stack: AsyncExitStack) -> Feed | None:
+        emg = self.config.emg
+        if emg is None:
+            return None
+        channels = 1 + max(site.channel for site in emg.sites)
+        config = EmgConfig(emg.rate_hz, channels, emg.source.options)
+        source = await stack.enter_async_context(registry.open_emg(emg.source.name)(config, self.clock))
+        return Feed(source, emg.stall_s)
+
+    def _desk(self, joints: Joints, feed: Feed | None) -> Desk:
+        config = self.config
+        specs = [joint.spec() for joint in config.joints]
+        groups = Groups(specs, {group.name: group.joints for group in config.groups})
+        modes = Modes([spec.name for spec in specs], joints.torque())
+        safety = config.safety
+        rules = Rules(self._ladder(), safety.fault == "limp", safety.home_speed_rad_s, safety.lease_max_s)
+        muscles = (
+            Muscles(feed, config.emg.sites, config.emg.pairs, config.emg.window) if config.emg else Muscles()
+        )
+        mind = Mind(specs, config.rate_hz, groups, config.learn, config.assist)
+        return Desk(specs, groups, modes, rules, muscles, mind)
+
+    def _ladder(self) -> Ladder:
+        return Ladder(self.config.safety.hold_after_s, self.config.safety.fault_after_s)
+
+    def _about(self) -> About:
+        config = self.config
+        return About(
+            arm=config.arm,
+            driver=config.driver.name,
+            rate_hz=config.rate_hz,
+            joints=tuple(joint.spec() for joint in config.joints),
+            groups={group.name: group.joints for group in config.groups},
+            emg=config.emg.source.name if config.emg else "",
+            lease_max=config.safety.lease_max_s,
+        )
+
+
+@contextmanager
+def _signals_call(end: Callable[[], None]) -> Iterator[None]:
+    """While entered, signals that ask the process to end call `end` instead."""
+    loop = asyncio.get_running_loop()
+    for number in _SIGNALS:
+        loop.add_signal_handler(number, end)
+    try:
+        yield
+    finally:
+        for number in _SIGNALS:
+            loop.remove_signal_handler(number)
+
+
+class _Publisher:
+    """Takes each tick's frame and events to subscribers, the log and the supervisor."""
+
+    def __init__(self, room: Room, server: Server, supervisor: Supervisor, clock: Clock) -> None:
+        self._room = room
+        self._server = server
+        self._supervisor = supervisor
+        self._clock = clock
+        self._status = ""
+
+    def publish(self, frame: Frame, events: Sequence[Event]) -> None:
+        """Called by the tick, and only by it: that is what feeds the watchdog."""
+        self._room.newest = frame
+        self._server.publish_state(frame)
+        for event in events:
+            self._server.publish_event(event)
+            _log.log(_LEVELS.get(event.kind, logging.INFO), "%s", event.text)
+        self._supervisor.tick(self._clock.now())
+        status = f"fault: {frame.fault}" if frame.fault else frame.mode.value
+        if status != self._status:
+            self._supervisor.status(status)
+            self._status = status
+
+
+def socket_path(config: Config, chosen: Path | None = None) -> Path:
+    """Where clients find the daemon: as chosen, as the config says, or at the usual place."""
+    return chosen or config.socket or default_socket_path()
+
+
+def environment_supervisor() -> Supervisor:
+    """The supervisor that started this process, if one did."""
+    return Supervisor.from_environment(os.environ)

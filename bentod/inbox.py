@@ -1,0 +1,110 @@
+"""Requests that clients left since the last tick: served at the seam, answered after the write."""
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from bentod.desk import Desk
+from bentod.errors import BentodError, Refused
+from bentod.frames import Frame
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Answer(Generic[T]):
+    """What came of a request: its result, and the frame of the tick that carried it out."""
+
+    result: T
+    frame: Frame
+
+
+class _Pending(Generic[T]):
+    """One request on its way through a tick."""
+
+    def __init__(self, request: Callable[[Desk], T]) -> None:
+        self.future: asyncio.Future[Answer[T]] = asyncio.get_running_loop().create_future()
+        self._request = request
+        self._result: list[T] = []
+
+    def serve(self, desk: Desk) -> None:
+        """Carry the request out; a refusal is answered at once and stops nothing else."""
+        if self.future.cancelled():
+            return
+        try:
+            self._result.append(self._request(desk))
+        except BentodError as error:
+            self.future.set_exception(error)
+
+    def answer(self, frame: Frame) -> None:
+        """Answer with what came of it."""
+        if self._result and not self.future.done():
+            self.future.set_result(Answer(self._result[0], frame))
+
+    def refuse(self, reason: str) -> None:
+        """Answer that nothing will come of it."""
+        if not self.future.done():
+            self.future.set_exception(Refused(reason))
+
+
+class Seam:
+    """The requests of one tick."""
+
+    def __init__(self, pending: list[_Pending[object]]) -> None:
+        self._pending = pending
+
+    def serve(self, desk: Desk) -> None:
+        """Carry all of them out, in the order they came."""
+        for pending in self._pending:
+            pending.serve(desk)
+
+    def answer(self, frame: Frame) -> None:
+        """Answer those that were not refused, once the servos have been written."""
+        for pending in self._pending:
+            pending.answer(frame)
+
+    def refuse(self, reason: str) -> None:
+        """Answer all that are still open with a refusal."""
+        for pending in self._pending:
+            pending.refuse(reason)
+
+
+class Inbox:
+    """Where handlers leave requests and the tick finds them."""
+
+    def __init__(self) -> None:
+        self._pending: list[_Pending[object]] = []
+        self._closed = ""
+
+    async def ask(self, request: Callable[[Desk], T]) -> Answer[T]:
+        """Have `request` carried out before the next tick's write and wait for what came of it.
+
+        Raises:
+            BentodError: what `request` raised, or Refused because the daemon is ending.
+        """
+        return await self._leave(request).future
+
+    def post(self, request: Callable[[Desk], T]) -> None:
+        """The same without waiting: for what must happen although nobody is left to hear of it."""
+        pending = self._leave(request)
+        pending.future.add_done_callback(lambda future: future.cancelled() or future.exception())
+
+    def take(self) -> Seam:
+        """Everything that was left since the last call."""
+        seam = Seam(self._pending)
+        self._pending = []
+        return seam
+
+    def close(self, reason: str) -> None:
+        """Refuse what is open and all that comes."""
+        self._closed = reason
+        self.take().refuse(reason)
+
+    def _leave(self, request: Callable[[Desk], T]) -> _Pending[T]:
+        pending = _Pending(request)
+        if self._closed:
+            pending.refuse(self._closed)
+        else:
+            self._pending.append(pending)  # type: ignore[arg-type]  # only its own caller sees the result
+        return pending

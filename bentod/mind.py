@@ -1,0 +1,170 @@
+"""What the arm expects and how it helps: readings to predictions to wishes of unattended joints."""
+
+import logging
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+
+from bentod.assist.dpcc import Assistance, Dpcc, DpccSettings, at_timescale
+from bentod.config import Assist, Learn
+from bentod.control.groups import Groups
+from bentod.errors import BadRequest, Refused
+from bentod.frames import AssistFrame, Freshness, JointSpec, Prediction, State, Value
+from bentod.learn.horde import Horde, Question
+from bentod.learn.representation import Representation
+
+_log = logging.getLogger(__name__)
+
+
+class _Predictor:
+    """The learners over one representation, fed with fresh readings only."""
+
+    def __init__(self, specs: Sequence[JointSpec], learn: Learn) -> None:
+        names = [spec.name for spec in specs]
+        self._seen = tuple(names.index(name) for name in learn.joints)
+        self.timescales = learn.timescales
+        asked = [names.index(name) for name in learn.predict or names]
+        limits = [(specs[joint].minimum, specs[joint].maximum) for joint in self._seen]
+        self._representation = Representation(
+            limits, learn.tilings, memory=learn.memory, trace_decay=learn.trace_decay
+        )
+        questions = [Question(joint, timescale) for timescale in learn.timescales for joint in asked]
+        self._horde = Horde(
+            questions,
+            self._representation.size,
+            self._representation.active,
+            [specs[question.joint].minimum for question in questions],
+            learn.trace_lambda,
+            learn.step_size,
+        )
+
+    def step(self, state: State, gap: bool) -> tuple[Prediction, ...] | None:
+        """New predictions; None when a reading that they are made from is old.
+
+        A joint that is only predicted teaches nothing while its reading is old: NaN says so to its learner.
+        """
+        fresh = [joint.freshness is Freshness.FRESH for joint in state.joints]
+        seen = all(fresh[joint] for joint in self._seen)
+        if gap or not seen:
+            self._horde.cut()
+        if not seen:
+            return None
+        features = self._representation.features([state.joints[joint].position for joint in self._seen])
+        positions = [
+            joint.position if new else math.nan for joint, new in zip(state.joints, fresh, strict=True)
+        ]
+        return self._horde.step(features, positions)
+
+
+class Mind:
+    """Learners and assist of the arm, either of which the config may leave out.
+
+    Learning goes on in every mode that reads the joints: the arm is watched, whoever moves it.
+    """
+
+    def __init__(
+        self,
+        specs: Sequence[JointSpec],
+        rate_hz: float,
+        groups: Groups,
+        learn: Learn | None = None,
+        assist: Assist | None = None,
+    ) -> None:
+        self._groups = groups
+        self._predictor = _Predictor(specs, learn) if learn else None
+        self._group = assist.group if assist else ""
+        self._dpcc = Dpcc(specs, rate_hz, _settings(assist, len(specs))) if assist else None
+        self._predictions: tuple[Prediction, ...] = ()
+        self._usable = False
+        self._broken = ""
+
+    def predict(self, state: State, gap: bool) -> None:
+        """Learn from a reading and predict. `gap`: ticks were missed since the last one."""
+        answers = self._answers(state, gap)
+        self._usable = answers is not None
+        self._predictions = answers or self._predictions
+
+    def assist(self, state: State, moving: Collection[int]) -> Assistance:
+        """What to ask of unattended joints while the operator moves the joints `moving`."""
+        if self._dpcc is None:
+            return Assistance({}, AssistFrame("off", False, "The config has no [assist] table."))
+        if self._broken:
+            return Assistance({}, AssistFrame("off", False, self._broken))
+        group = self._groups.group(self._group)
+        attended = [joint for joint in (group.active, *group.joints) if joint in moving]
+        expected = at_timescale(self._predictions, self._dpcc.settings.timescale) if self._usable else {}
+        positions = [joint.position for joint in state.joints]
+        first = attended[0] if attended else None
+        return self._dpcc.wish(state.time, first, group.joints, positions, expected)
+
+    def _answers(self, state: State, gap: bool) -> tuple[Prediction, ...] | None:
+        """New predictions, if there are any to be had. A learner that breaks is left alone from then on."""
+        if self._predictor is None or self._broken:
+            return None
+        try:
+            return self._predictor.step(state, gap)
+        except Exception as error:  # noqa: BLE001 -- whatever a learner does, control goes on without it
+            self._broken = f"Learning broke and is off: {type(error).__name__}: {error}"
+            _log.exception("learning broke and is off")
+            return None
+
+    def toggled(self, now: float) -> None:
+        """The active joint of a group has changed."""
+        if self._dpcc:
+            self._dpcc.toggled(now)
+
+    def predictions(self, joint: int) -> dict[str, float]:
+        """The newest predictions of one joint (rad), by timescale in steps."""
+        return {f"{p.timescale:g}": p.position for p in self._predictions if p.joint == joint}
+
+    def describe(self) -> dict[str, Value]:
+        """The assist's parameters as clients see them."""
+        if self._dpcc is None:
+            return {"mode": "off"}
+        settings = self._dpcc.settings
+        return {
+            "mode": "dpcc" if settings.enabled else "off",
+            "group": self._group,
+            "timescale": settings.timescale,
+            "k": settings.k,
+            "velocity_limit_rad_s": max(settings.velocity_limits.values()),
+            "manual_after_toggle_s": settings.manual,
+        }
+
+    def change(self, changes: Mapping[str, float | str]) -> None:
+        """Change some of the parameters that `describe` shows.
+
+        Raises:
+            Refused: the config has no assist.
+            BadRequest: a value is out of its bounds, or nobody predicts at that timescale.
+        """
+        if self._dpcc is None or self._predictor is None:
+            raise Refused("the config has no [assist] and [learn] tables")
+        settings = self._dpcc.settings
+        timescale = float(changes.get("timescale", settings.timescale))
+        if timescale not in self._predictor.timescales:
+            known = ", ".join(f"{t:g}" for t in self._predictor.timescales)
+            raise BadRequest(
+                f"nothing is predicted {timescale:g} steps ahead (timescales: {known})", "timescale"
+            )
+        limits = settings.velocity_limits
+        if "velocity_limit_rad_s" in changes:
+            limits = dict.fromkeys(limits, float(changes["velocity_limit_rad_s"]))
+        self._dpcc.settings = replace(
+            settings,
+            enabled=changes.get("mode", "dpcc" if settings.enabled else "off") == "dpcc",
+            timescale=timescale,
+            k=float(changes.get("k", settings.k)),
+            velocity_limits=limits,
+            manual=float(changes.get("manual_after_toggle_s", settings.manual)),
+        )
+
+
+def _settings(assist: Assist, joints: int) -> DpccSettings:
+    return DpccSettings(
+        enabled=assist.mode == "dpcc",
+        timescale=assist.timescale,
+        k=assist.k,
+        velocity_limits=dict.fromkeys(range(joints), assist.velocity_limit_rad_s),
+        manual=assist.manual_after_toggle_s,
+    )

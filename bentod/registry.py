@@ -1,0 +1,138 @@
+"""Names in the config to factories, by string: so bentod never imports the devices that it drives."""
+
+import importlib
+import importlib.metadata
+import importlib.util
+from dataclasses import dataclass
+from pathlib import Path
+from typing import cast
+
+from pydantic import BaseModel
+
+from bentod.contracts import OpenEmg, OpenJoints
+from bentod.errors import ConfigError, nearest
+
+
+@dataclass(frozen=True, slots=True)
+class Driver:
+    """Where a driver of joints keeps its factory and the models of its tables."""
+
+    open: str  # OpenJoints
+    options: str  # model of [driver]
+    hardware: str  # model of a joint's `hardware`
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where a source of muscle signals keeps its factory and the model of its table."""
+
+    open: str  # OpenEmg
+    options: str  # model of [emg.source]
+
+
+JOINTS = {
+    "dynamixel": Driver(
+        "drivers.dynamixel.joints:open_joints",
+        "drivers.dynamixel.options:Options",
+        "drivers.dynamixel.options:Hardware",
+    ),
+    "sim-dynamixel": Driver(
+        "sim.joints:open_joints", "sim.options:Options", "drivers.dynamixel.options:Hardware"
+    ),
+    "sim": Driver(
+        "sim.joints:open_plain_joints", "sim.options:Options", "drivers.dynamixel.options:Hardware"
+    ),
+}
+
+EMG = {
+    "synthetic": Source("sim.emg:open_emg", "sim.emg:Options"),
+    "replay": Source("drivers.emg.replay:open_emg", "drivers.emg.replay:Options"),
+}
+
+COMMANDS = {
+    "run": "bentod.cli.run:run",
+    "check": "bentod.cli.check:check",
+    "ctl": "bentod.cli.ctl:ctl",
+    "watch": "bentod.cli.watch:watch",
+    "sim-bus": "sim.bus_process:sim_bus",
+}
+
+TARGETS = {
+    **{f"joints.{name}.{field}": getattr(d, field) for name, d in JOINTS.items() for field in d.__slots__},
+    **{f"emg.{name}.{field}": getattr(s, field) for name, s in EMG.items() for field in s.__slots__},
+    **{f"commands.{name}": target for name, target in COMMANDS.items()},
+}
+"""Every "module:attribute" above, by what it is for."""
+
+
+def resolve(target: str) -> object:
+    """The object that "module:attribute" names.
+
+    Raises:
+        ConfigError: it cannot be imported, or a foreign package stands in the way of ours.
+    """
+    module_name, _, attribute = target.partition(":")
+    _refuse_foreign(module_name.partition(".")[0])
+    try:
+        found: object = getattr(importlib.import_module(module_name), attribute)
+    except (ImportError, AttributeError) as error:
+        raise ConfigError(f"{target} cannot be loaded: {error}") from error
+    return found
+
+
+def open_joints(name: str) -> OpenJoints:
+    """The factory of the joints that `driver.name` chooses. Raises ConfigError: there is none."""
+    return cast("OpenJoints", resolve(_driver(name).open))
+
+
+def open_emg(name: str) -> OpenEmg:
+    """The factory of the source that `emg.source.name` chooses. Raises ConfigError: there is none."""
+    return cast("OpenEmg", resolve(_source(name).open))
+
+
+def driver_models(name: str) -> tuple[type[BaseModel], type[BaseModel]]:
+    """Models of a driver's table and of a joint's `hardware`. Raises ConfigError: no such driver."""
+    driver = _driver(name)
+    return _model(driver.options), _model(driver.hardware)
+
+
+def emg_model(name: str) -> type[BaseModel]:
+    """Model of a source's table. Raises ConfigError: no such source."""
+    return _model(_source(name).options)
+
+
+def _model(target: str) -> type[BaseModel]:
+    return cast("type[BaseModel]", resolve(target))
+
+
+def _driver(name: str) -> Driver:
+    if name in JOINTS:
+        return JOINTS[name]
+    module = _entry_point("bentod.joints", name, JOINTS)
+    return Driver(f"{module}:open_joints", f"{module}:Options", f"{module}:Hardware")
+
+
+def _source(name: str) -> Source:
+    if name in EMG:
+        return EMG[name]
+    module = _entry_point("bentod.inputs", name, EMG)
+    return Source(f"{module}:open_emg", f"{module}:Options")
+
+
+def _entry_point(group: str, name: str, ours: dict[str, Driver] | dict[str, Source]) -> str:
+    """The module that a package from outside offers under `name`; imported only if it is chosen."""
+    offered = {point.name: point.value for point in importlib.metadata.entry_points(group=group)}
+    if name not in offered:
+        raise ConfigError(f"'{name}' is unknown{nearest(name, [*ours, *offered])}")
+    return offered[name]
+
+
+def _refuse_foreign(package: str) -> None:
+    """`drivers` and `sim` are common words: a stranger of that name on the path is never imported."""
+    if package not in ("drivers", "sim"):
+        return
+    ours = Path(__file__).parent.parent / package / "__init__.py"
+    spec = importlib.util.find_spec(package)
+    if spec is None or spec.origin is None or Path(spec.origin) != ours:
+        where = spec.origin if spec else "nowhere"
+        raise ConfigError(f"the package '{package}' ({where}) is not bentod's own; remove it from the path")

@@ -1,0 +1,83 @@
+"""One tick as one atomic message: what was read, asked, decided, sent and expected."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from bentod.control.arbiter import Decision, asked_of
+from bentod.desk import Desk
+from bentod.frames import AssistFrame, Command, Frame, GroupFrame, JointFrame, State, Wishes
+from bentod.muscles import Look
+
+
+@dataclass(frozen=True, slots=True)
+class Stamp:
+    """Which tick it was, and how it kept time."""
+
+    tick: int
+    due: float  # monotonic s
+    wall: float  # s since the epoch
+    lateness: float  # s
+    missed: int
+    rate_hz: float
+
+
+@dataclass(frozen=True, slots=True)
+class Deed:
+    """What one tick saw and did."""
+
+    state: State
+    look: Look
+    wishes: Mapping[str, Wishes]
+    assist: AssistFrame
+    decided: Sequence[Decision]
+    sent: Sequence[Command | None]
+
+
+def frame(stamp: Stamp, desk: Desk, deed: Deed) -> Frame:
+    """The tick as it is published."""
+    return Frame(
+        tick=stamp.tick,
+        time=stamp.due,
+        wall=stamp.wall,
+        lateness=stamp.lateness,
+        missed=stamp.missed,
+        rate_hz=stamp.rate_hz,
+        mode=desk.modes.arm,
+        fault=desk.modes.fault,
+        joints=tuple(_joint(joint, desk, deed) for joint in range(len(desk.specs))),
+        emg=deed.look.frame,
+        groups=tuple(
+            GroupFrame(
+                group.name,
+                tuple(desk.specs[joint].name for joint in group.joints),
+                desk.specs[group.active].name,
+                deed.look.efforts.get(group.name, 0.0),
+            )
+            for group in desk.groups
+        ),
+        assist=deed.assist,
+        goal=desk.goals.frame,
+        meta=desk.meta,
+    )
+
+
+def _joint(joint: int, desk: Desk, deed: Deed) -> JointFrame:
+    reading = deed.state.joints[joint]
+    holder = deed.decided[joint].holder
+    return JointFrame(
+        name=desk.specs[joint].name,
+        mode=desk.modes.of(joint),
+        torque=desk.modes.has_torque(joint),
+        position=reading.position,
+        velocity=reading.velocity,
+        load=reading.load,
+        voltage=reading.voltage,
+        temperature=reading.temperature,
+        age=reading.age,
+        freshness=reading.freshness,
+        errors=reading.errors,
+        asked=asked_of(joint, deed.wishes),
+        holder=f"client:{desk.holder(joint)}" if holder == "client" else holder,
+        sent=deed.sent[joint],
+        predictions=desk.mind.predictions(joint),
+    )

@@ -1,0 +1,165 @@
+"""Methods that look at the arm and move it; each docstring is what clients read."""
+
+from importlib.metadata import version
+from typing import Annotated, Literal
+
+from bentod.control.leases import Holder
+from bentod.errors import BadRequest, Refused
+from bentod.frames import Command, Frame, JointSpec, Position, Value, Velocity
+from bentod.serve.params import Flag, Number, Text
+from bentod.serve.room import Joint, Joints, Lease, Room
+from bentod.serve.session import Session
+
+Speed = Annotated[
+    float | None, Number("rad/s", -10, 10, "signed velocity, or top speed towards the position")
+]
+Angle = Annotated[float | None, Number("rad", -6.3, 6.3, "position to go to, within the joint's limits")]
+
+
+class ArmMethods:
+    """Handlers of what an arm is and does."""
+
+    def __init__(self, room: Room) -> None:
+        self._room = room
+
+    async def hello(self, session: Session, name: Annotated[str, Text("who you are", 32)]) -> Value:
+        """Give this connection a name, which others see when it moves the arm.
+
+        Returns the connection's number.
+        """
+        session.client = name
+        return {"session": session.id}
+
+    async def get_info(self, session: Session) -> Value:
+        """What does not change while the daemon runs: version, arm, joints with limits, groups."""
+        about = self._room.about
+        return {
+            "version": version("bentod"),
+            "arm": about.arm,
+            "driver": about.driver,
+            "rate_hz": about.rate_hz,
+            "joints": [
+                {
+                    "name": joint.name,
+                    "min_rad": joint.minimum,
+                    "max_rad": joint.maximum,
+                    "max_velocity_rad_s": joint.max_velocity,
+                    "home_rad": joint.home,
+                }
+                for joint in about.joints
+            ],
+            "groups": {name: list(joints) for name, joints in about.groups.items()},
+            "emg": about.emg,
+            "lease_max_s": about.lease_max,
+            "faults": list(self._room.injector.faults()) if self._room.injector else [],
+        }
+
+    async def get_state(self, session: Session) -> Frame:
+        """The frame of the last tick: everything that was read, asked, sent and expected, as one message."""
+        if self._room.newest is None:
+            raise Refused("the first tick has not passed yet")
+        return self._room.newest
+
+    async def subscribe(
+        self,
+        session: Session,
+        topic: Annotated[str, Text("what to send", choices=("state", "events"))],
+        rate_hz: Annotated[float, Number("Hz", 0.1, 500, "at most this many frames a second")] = 30.0,
+    ) -> Value:
+        """Send notifications: "state" with a frame at the chosen rate, or "event" with each event.
+
+        A client that reads too slowly misses frames; it never gets old ones and never delays the arm.
+        """
+        session.subscribe(_topic(topic), rate_hz)
+        return None
+
+    async def unsubscribe(
+        self, session: Session, topic: Annotated[str, Text("what to end", choices=("state", "events"))]
+    ) -> Value:
+        """Send no more of a topic."""
+        session.unsubscribe(_topic(topic))
+        return None
+
+    async def stop(self, session: Session) -> Value:
+        """Stop every joint at once and pause the arm. Never refused."""
+        await self._room.inbox.ask(lambda desk: desk.stop(session.client))
+        return None
+
+    async def pause(
+        self, session: Session, joints: Joints = None, on: Annotated[bool, Flag("false releases")] = True
+    ) -> Value:
+        """Pause joints: they stop, hold, and ignore all wishes until they are released."""
+        await self._room.inbox.ask(lambda desk: desk.pause(desk.select(joints), on))
+        return None
+
+    async def torque(
+        self, session: Session, joints: Joints = None, on: Annotated[bool, Flag("false makes limp")] = True
+    ) -> Value:
+        """Switch torque, which also pauses. A joint is pinned where it is before it gets torque.
+
+        An error means that a servo did not confirm; the fault in the state says which.
+        """
+        frame = (await self._room.inbox.ask(lambda desk: desk.torque(desk.select(joints), on))).frame
+        asked = [joints] if isinstance(joints, str) else joints
+        wrong = [j.name for j in frame.joints if (asked is None or j.name in asked) and j.torque is not on]
+        if wrong:
+            raise Refused(
+                f"torque is not {'on' if on else 'off'} on {', '.join(wrong)}: {frame.fault}", "joints"
+            )
+        return None
+
+    async def clear_fault(self, session: Session) -> Value:
+        """Clear a latched fault whose cause is gone. Joints stay paused; releasing them is up to you."""
+        await self._room.inbox.ask(lambda desk: desk.clear_fault())
+        return None
+
+    async def go_home(self, session: Session, joints: Joints = None) -> Value:
+        """Send joints home as a goal; returns its number. Events "goal" tell its progress and its end.
+
+        Paused joints go home undisturbed and are paused again there. Released joints go home too, but the
+        wearer's first sign, another wish, `stop` or `pause` cancels the goal.
+        """
+        answer = await self._room.inbox.ask(lambda desk: desk.go_home(desk.select(joints)))
+        return {"goal": answer.result}
+
+    async def move(
+        self,
+        session: Session,
+        joint: Joint,
+        velocity: Speed = None,
+        position: Angle = None,
+        lease_s: Lease = 0.2,
+    ) -> Value:
+        """Move one joint: at a velocity, to a position, or to a position at a speed.
+
+        The wish ends with its lease or with the connection; call again to renew it. One client at a time.
+        """
+        index = self._room.index(joint)
+        command = _command(self._room.about.joints[index], velocity, position)
+        holder = Holder(session.id, session.client)
+        self._room.attach(session)
+        await self._room.inbox.ask(lambda desk: desk.move(index, command, holder, lease_s))
+        return None
+
+
+def _command(spec: JointSpec, velocity: float | None, position: float | None) -> Command:
+    if velocity is None and position is None:
+        raise BadRequest("move needs a velocity, a position or both", "velocity")
+    if velocity is not None and abs(velocity) > spec.max_velocity:
+        raise BadRequest(
+            f"velocity = {velocity:g} rad/s is beyond {spec.name}'s maximum, {spec.max_velocity:g} rad/s",
+            "velocity",
+        )
+    if position is None:
+        return Velocity(velocity or 0.0)
+    if not spec.minimum <= position <= spec.maximum:
+        raise BadRequest(
+            f"position = {position:g} rad is outside {spec.name}'s limits, "
+            f"{spec.minimum:g} to {spec.maximum:g} rad",
+            "position",
+        )
+    return Position(position, abs(velocity) if velocity else spec.max_velocity)
+
+
+def _topic(name: str) -> Literal["state", "events"]:
+    return "state" if name == "state" else "events"

@@ -1,0 +1,64 @@
+"""What every method of the API works with: the inbox, and what does not change while the daemon runs."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+from bentod.contracts import FaultInjector
+from bentod.errors import BadRequest, nearest
+from bentod.frames import Frame, JointSpec, Value
+from bentod.inbox import Inbox
+from bentod.serve.params import Number, Text
+from bentod.serve.session import Session
+
+Joint = Annotated[str, Text("joint name")]
+Joints = Annotated[str | list[str] | None, Text("one joint, a list of them, or nil for all")]
+GroupName = Annotated[str, Text("group name")]
+Lease = Annotated[float, Number("s", 0.05, 10, "the wish ends this long after the last call that renews it")]
+
+
+@dataclass(frozen=True, slots=True)
+class About:
+    """What does not change while the daemon runs."""
+
+    arm: str
+    driver: str
+    rate_hz: float
+    joints: tuple[JointSpec, ...]
+    groups: Mapping[str, tuple[str, ...]]
+    emg: str  # name of the source; empty when there is none
+    lease_max: float  # s
+
+
+class Room:
+    """The inbox, the newest frame, and names to indices. Handlers never reach the bus through it."""
+
+    def __init__(self, inbox: Inbox, about: About) -> None:
+        self.inbox = inbox
+        self.about = about
+        self.injector: FaultInjector | None = None
+        """The arm as something to break on purpose, if it is simulated."""
+        self.newest: Frame | None = None
+        """The frame of the last tick; the daemon keeps it up to date."""
+        self._attached: set[int] = set()
+
+    def attach(self, session: Session) -> None:
+        """See to it that the session's leases end with it."""
+        if session.id not in self._attached:
+            self._attached.add(session.id)
+            session.on_close(lambda: self._vanish(session.id))
+
+    def index(self, joint: str) -> int:
+        """Index of a joint. Raises BadRequest: there is no such joint."""
+        names = [spec.name for spec in self.about.joints]
+        if joint not in names:
+            raise BadRequest(f"there is no joint '{joint}'{nearest(joint, names)}", "joint")
+        return names.index(joint)
+
+    def active(self, joint: int) -> Value:
+        """What a method answers that changed or moved a group's active joint."""
+        return {"active": self.about.joints[joint].name}
+
+    def _vanish(self, session: int) -> None:
+        self._attached.discard(session)
+        self.inbox.post(lambda desk: desk.vanish(session))

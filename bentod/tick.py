@@ -1,0 +1,157 @@
+"""The loop: read → think → arbitrate → limit → write → publish, once a period, on absolute deadlines."""
+
+import logging
+import math
+from collections.abc import Callable, Sequence
+
+from bentod.contracts import Clock, Joints
+from bentod.control.arbiter import Decision, arbitrate, attended
+from bentod.control.health import Ladder
+from bentod.control.limits import limit
+from bentod.desk import Desk
+from bentod.errors import BusError
+from bentod.frames import Command, Event, Frame, State, Stop, Wishes
+from bentod.inbox import Inbox
+from bentod.report import Deed, Stamp, frame
+
+_log = logging.getLogger(__name__)
+
+Publish = Callable[[Frame, Sequence[Event]], None]
+"""Where a tick's frame and events go. Must not wait and must not raise."""
+
+AT_REST = 0.02
+"""Rad/s; the least speed that an MX servo reports is 0.012."""
+
+
+class Controller:
+    """Owns the bus and the tick. Only pure functions and the desk stand between `read` and `write`."""
+
+    def __init__(
+        self,
+        joints: Joints,
+        desk: Desk,
+        inbox: Inbox,
+        ladder: Ladder,
+        clock: Clock,
+        rate_hz: float,
+        publish: Publish,
+    ) -> None:
+        self._joints = joints
+        self._desk = desk
+        self._inbox = inbox
+        self._ladder = ladder
+        self._clock = clock
+        self._rate_hz = rate_hz
+        self._publish = publish
+        self._seam = inbox.take()
+        self._ticks = 0
+        self._missed = 0
+        self._ending = False
+
+    async def tick(self, due: float, gap: bool) -> None:
+        """One tick, due at `due` (monotonic s); `gap`: ticks just before it were missed."""
+        lateness = self._clock.now() - due
+        desk = self._desk
+        self._seam = self._inbox.take()
+        self._seam.serve(desk)
+
+        state = await self._joints.read()
+        now = self._clock.now()
+        desk.watch(state, now)
+        await self._switch_torque()
+
+        look = desk.muscles.look(now)
+        wishes: dict[str, Wishes] = {
+            "emg": desk.operator(look.efforts, look.toggles),
+            "client": desk.client_wishes(),
+            "home": desk.goals.wishes(),
+        }
+        desk.mind.predict(state, gap)
+        assistance = desk.mind.assist(state, attended(("emg", "client"), wishes, desk.modes))
+        wishes["assist"] = assistance.wishes
+
+        decided = arbitrate(wishes, desk.modes, len(desk.specs))
+
+        sent = self._limited(decided, state)
+
+        await self._joints.write(sent)
+
+        stamp = Stamp(self._ticks, due, self._clock.wall(), lateness, self._missed, self._rate_hz)
+        published = frame(stamp, desk, Deed(state, look, wishes, assistance.frame, decided, sent))
+        self._publish(published, desk.events())
+        self._seam.answer(published)
+
+    async def run(self, ticks: int = 0) -> None:
+        """Tick until `end` is called, or `ticks` times. A tick that is missed is counted, not made up for."""
+        last = self._ticks + ticks
+        period = 1 / self._rate_hz
+        due = self._clock.now() + period
+        gap = False
+        while not self._ending and (ticks == 0 or self._ticks < last):
+            await self._clock.sleep_until(due)
+            await self._survive(due, gap)
+            self._ticks += 1
+            due, skipped = next_deadline(due, period, self._clock.now())
+            self._missed += skipped
+            gap = skipped > 0
+
+    def end(self) -> None:
+        """Let the tick under way finish, and `run` return."""
+        self._ending = True
+
+    async def settle(self, limp: bool, patience: float = 1.0) -> tuple[bool, ...]:
+        """Bring the arm to its end: stop, give it up to `patience` (s) to come to rest, let go if `limp`.
+
+        Returns the torque that each joint is known to be left with.
+        """
+        self._ending = False
+        self._desk.stop("the end of the daemon")
+        await self.run(2)  # one tick to write the stop, one to read what it did
+        deadline = self._clock.now() + patience
+        while self._moves() and self._clock.now() < deadline:
+            await self.run(1)
+        if limp:
+            self._desk.torque(range(len(self._desk.specs)), False)
+            await self.run(1)
+        return self._joints.torque()
+
+    async def _survive(self, due: float, gap: bool) -> None:
+        """A tick that breaks is a fault, not the end: the joints are stopped and the loop goes on."""
+        try:
+            await self.tick(due, gap)
+        except Exception as error:  # noqa: BLE001 -- whatever broke, the arm must be stopped
+            _log.exception("tick %d broke", self._ticks)
+            reason = f"internal error in the tick: {type(error).__name__}: {error}"
+            self._desk.fault(reason)
+            self._seam.refuse(reason)
+            await self._joints.write([Stop() if on else None for on in self._joints.torque()])
+
+    async def _switch_torque(self) -> None:
+        """The only way to the servos' torque: carry out what `Modes` notes, and report what came of it."""
+        wanted = self._desk.modes.wanted_torque
+        if wanted == self._joints.torque():
+            return
+        try:
+            await self._joints.set_torque(wanted)
+        except BusError as error:
+            self._desk.torque_failed(str(error))
+        self._desk.torque_confirmed(self._joints.torque())
+
+    def _limited(self, decided: Sequence[Decision], state: State) -> list[Command | None]:
+        """What is sent: within limits, and nothing that moves a joint whose reading is too old."""
+        old = self._ladder.too_old_to_move(state)
+        commands = [
+            Stop() if joint in old and decision.command else decision.command
+            for joint, decision in enumerate(decided)
+        ]
+        return list(map(limit, commands, self._desk.specs, state.joints))
+
+    def _moves(self) -> bool:
+        state = self._desk.state
+        return state is not None and any(abs(joint.velocity) > AT_REST for joint in state.joints)
+
+
+def next_deadline(due: float, period: float, now: float) -> tuple[float, int]:
+    """The next deadline that has not passed (s), and how many had to be skipped to get there."""
+    skipped = max(0, math.ceil((now - due) / period - 1e-9) - 1)
+    return due + (skipped + 1) * period, skipped

@@ -1,0 +1,99 @@
+import pytest
+
+from bentod.control.goals import Goals
+from bentod.control.modes import Modes
+from bentod.errors import Refused
+from bentod.frames import Freshness, GoalFrame, JointSpec, JointState, Mode, Position
+
+SPECS = {i: JointSpec(name, -1.0, 1.0, 0.5, 0.1, {}) for i, name in enumerate(("shoulder", "elbow"))}
+
+
+def _at(*positions: float) -> list[JointState]:
+    return [JointState(p, 0.0, 0.0, 12.0, 30.0, 0.0, Freshness.FRESH) for p in positions]
+
+
+class _Rig:
+    def __init__(self, released: bool = True) -> None:
+        self.modes = Modes(["shoulder", "elbow"], [True, True])
+        if released:
+            self.modes.pause([0, 1], False)
+        self.told: list[GoalFrame] = []
+        self.goals = Goals(self.modes, self.told.append)
+
+    def begin(self) -> int:
+        return self.goals.begin(SPECS, _at(0.6, -0.9), 0.5, now=0.0)
+
+    @property
+    def statuses(self) -> list[str]:
+        return [frame.status for frame in self.told]
+
+
+def test_a_goal_is_accepted_moves_and_is_done() -> None:
+    rig = _Rig()
+    assert rig.begin() == 1
+    assert rig.goals.wishes() == {0: Position(0.1, 0.5), 1: Position(0.1, 0.5)}
+    rig.goals.advance(_at(0.3, -0.5), now=0.5)
+    rig.goals.advance(_at(0.1, 0.1), now=2.0)
+    assert rig.statuses == ["accepted", "moving", "done"]
+    assert rig.goals.wishes() == {}
+    assert rig.modes.of(0) is Mode.ACTIVE
+
+
+def test_progress_is_told_in_tenths_not_every_tick() -> None:
+    rig = _Rig()
+    rig.begin()
+    for step in range(100):
+        rig.goals.advance(_at(0.1, -0.9 + 0.009 * step), now=0.01 * step)
+    assert len(rig.told) <= 12
+    assert [frame.progress for frame in rig.told] == sorted(frame.progress for frame in rig.told)
+
+
+def test_a_goal_that_is_not_reached_in_time_is_cancelled() -> None:
+    rig = _Rig()
+    rig.begin()
+    rig.goals.advance(_at(0.6, -0.9), now=60.0)
+    assert rig.told[-1].status == "cancelled"
+    assert "not there in time" in rig.told[-1].reason
+
+
+def test_the_wearer_ends_the_homing_of_released_joints() -> None:
+    rig = _Rig()
+    rig.begin()
+    rig.goals.disturb("the wearer moved")
+    assert rig.told[-1].reason == "the wearer moved"
+
+
+def test_paused_joints_go_home_undisturbed_and_are_paused_again() -> None:
+    rig = _Rig(released=False)
+    rig.begin()
+    assert rig.modes.of(0) is Mode.ACTIVE
+    rig.goals.disturb("the wearer moved")
+    assert rig.goals.wishes()
+    rig.goals.advance(_at(0.1, 0.1), now=1.0)
+    assert rig.told[-1].status == "done"
+    assert rig.modes.of(0) is Mode.PAUSED
+
+
+def test_only_what_touches_the_goals_joints_cancels_it() -> None:
+    rig = _Rig()
+    rig.goals.begin({0: SPECS[0]}, _at(0.6, 0.0), 0.5, now=0.0)
+    rig.goals.cancel("elbow moved", [1])
+    assert rig.goals.wishes()
+    rig.goals.cancel("shoulder moved", [0])
+    assert rig.goals.wishes() == {}
+
+
+def test_a_new_goal_cancels_the_old_one() -> None:
+    rig = _Rig(released=False)
+    rig.begin()
+    rig.begin()
+    assert rig.statuses == ["accepted", "cancelled", "accepted"]
+    assert rig.modes.of(0) is Mode.ACTIVE
+
+
+def test_a_limp_arm_does_not_go_home() -> None:
+    rig = _Rig()
+    rig.modes.confirm_torque([True, False])
+    with pytest.raises(Refused, match="torque is off on elbow"):
+        rig.begin()
+    assert rig.told == []
