@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check -qq
 INSTALL := $(PIP) install --constraint constraints.txt --build-constraint constraints.txt --editable .
 
 .DEFAULT_GOAL := help
-.PHONY: run test check bench clean help
+.PHONY: run test check bench reference clean help
 
 run: $(VENV)/run.stamp ## start the daemon with a simulated arm (CONFIG=FILE for another)
 	@exec $(BIN)/bentod run --config $(CONFIG)
@@ -25,6 +25,9 @@ bench: $(VENV)/test.stamp ## measure: NAME=core prints a table and writes build/
 	@test -f "tests/benchmarks/$(NAME).py" || { \
 	  echo "make bench NAME=x, where x is one of: $(BENCHMARKS)"; exit 2; }
 	@$(BIN)/python -m tests.benchmarks.$(NAME)
+
+reference: $(VENV)/run.stamp ## renew the README's table of API methods
+	@$(BIN)/python -m bentod.serve.reference README.md
 
 BENCHMARKS := $(filter-out __init__ harness test_%,$(notdir $(basename $(wildcard tests/benchmarks/*.py))))
 

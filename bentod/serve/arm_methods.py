@@ -88,7 +88,7 @@ class ArmMethods:
     async def pause(
         self, session: Session, joints: Joints = None, on: Annotated[bool, Flag("false releases")] = True
     ) -> Value:
-        """Pause joints: they stop, hold, and ignore all wishes until they are released."""
+        """Pause joints: they stop, hold, and ignore all wishes but `go_home` until they are released."""
         await self._room.inbox.ask(lambda desk: desk.pause(desk.select(joints), on))
         return None
 
