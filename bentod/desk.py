@@ -172,6 +172,13 @@ class Desk:
             if changed:
                 self.note("mode", f"torque is {'on' if on else 'off'}: {self._names(changed)}")
 
+    def torque_found(self, torque: Sequence[bool]) -> None:
+        """Servos lost or gained torque by themselves: that is a fault, and what they have is believed."""
+        lost = [j for j, on in enumerate(torque) if self.modes.has_torque(j) and not on]
+        self.torque_confirmed(torque)
+        what = f"{self._names(lost)} lost torque" if lost else "a servo gained torque"
+        self.fault(f"{what} unasked: power or servo was reset")
+
     def fault(self, reason: str) -> None:
         """The one door into fault; the first reason stays until it is cleared."""
         if self.modes.enter_fault(reason, self._rules.limp_on_fault):

@@ -44,6 +44,7 @@ class Controller:
         self._rate_hz = rate_hz
         self._publish = publish
         self._seam = inbox.take()
+        self._torque = joints.torque()
         self._ticks = 0
         self._missed = 0
         self._ending = False
@@ -127,15 +128,21 @@ class Controller:
             await self._joints.write([Stop() if on else None for on in self._joints.torque()])
 
     async def _switch_torque(self) -> None:
-        """The only way to the servos' torque: carry out what `Modes` notes, and report what came of it."""
-        wanted = self._desk.modes.wanted_torque
-        if wanted == self._joints.torque():
-            return
-        try:
-            await self._joints.set_torque(wanted)
-        except BusError as error:
-            self._desk.torque_failed(str(error))
-        self._desk.torque_confirmed(self._joints.torque())
+        """The only way to the servos' torque: carry out what `Modes` notes, and report what came of it.
+
+        A servo that lost or gained torque by itself (it was rebooted, its power was cut) is believed, not
+        corrected: only a request may arm a joint.
+        """
+        found = self._joints.torque()
+        if found != self._torque:
+            self._desk.torque_found(found)
+        elif self._desk.modes.wanted_torque != found:
+            try:
+                await self._joints.set_torque(self._desk.modes.wanted_torque)
+            except BusError as error:
+                self._desk.torque_failed(str(error))
+            self._desk.torque_confirmed(self._joints.torque())
+        self._torque = self._joints.torque()
 
     def _limited(self, decided: Sequence[Decision], state: State) -> list[Command | None]:
         """What is sent: within limits, and nothing that moves a joint whose reading is too old."""

@@ -245,3 +245,16 @@ async def test_a_servo_that_is_not_the_configured_one_is_told_before_anything_mo
     async with running(quiet_config(start), socket, mode="fault") as arm:
         assert "elbow_flexion" in str((await state(arm))["fault"])
     assert BusError.code == "bus"
+
+
+async def test_a_servo_that_was_reset_is_limp_and_is_not_armed_again_by_itself(socket: Path) -> None:
+    async with running(quiet_config(), socket) as arm:
+        await arm.call("inject", fault="power")
+        await asyncio.sleep(0.2)
+        await arm.call("inject", fault="power", on=False)
+        faulted = await wait_for(arm, lambda f: f["mode"] == "fault" and not joint(f, "gripper")["torque"], 5)
+        assert "lost torque unasked" in str(faulted["fault"])
+        await asyncio.sleep(1)
+        assert not any(j["torque"] for j in tables(await state(arm), "joints"))
+        await arm.call("clear_fault")
+        assert (await state(arm))["mode"] == "limp"

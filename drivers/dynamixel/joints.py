@@ -27,6 +27,9 @@ TORQUE = MX_28["Torque Enable"]
 MOST_QUESTIONS = 4
 """Bulk reads in one round: one when all is well."""
 
+BLIND_S = 0.1
+"""s of silence after which a servo is not written to any more. How long an MX takes to boot is assumed."""
+
 
 class DynamixelJoints:
     """The `Joints` contract over one bus."""
@@ -59,13 +62,14 @@ class DynamixelJoints:
         """One sync write; see `bentod.contracts.Joints.write`.
 
         A joint whose torque is off, or that is back from silence and was not asked for it yet, is left
-        out: on firmware 1 a goal switches torque on by itself. A joint that is silent is still told to stop.
+        out: on firmware 1 a goal switches torque on by itself. A joint that falls silent is still told
+        to stop, but not for longer than a reset takes: it could come back limp, and be armed by that.
         """
         now = self._clock.now()
         goals = {
             servo.id: goal_bytes(servo.goal(command, now))
             for servo, command in zip(self._servos, commands, strict=True)
-            if command is not None and servo.torque and servo.id not in self._unclear
+            if command and servo.torque and servo.id not in self._unclear and servo.age(now) < BLIND_S
         }
         if goals:
             self._bus.sync_write(GOAL, goals)

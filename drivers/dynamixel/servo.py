@@ -42,9 +42,13 @@ class Servo:
         self._reading = reading(reply.error, reply.data)
         self._read_at = reply.time
 
+    def age(self, now: float) -> float:
+        """Seconds from the last reading to `now` (monotonic s)."""
+        return now - self._read_at
+
     def state(self, now: float, fresh: bool) -> JointState:
         """The last reading as it looks at `now` (monotonic s)."""
-        age = now - self._read_at
+        age = self.age(now)
         known = self._reading
         silent = Freshness.LOST if age > self._lost_after else Freshness.STALE
         return JointState(
