@@ -1,13 +1,12 @@
 """Methods made from typed functions: one function gives the name, the checks and the description."""
 
-import difflib
 import inspect
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from types import NoneType, UnionType
 from typing import Annotated, TypeAlias, Union, get_args, get_origin
 
-from bentod.errors import BadRequest
+from bentod.errors import BadRequest, nearest
 from bentod.frames import Value
 from bentod.serve.params import Flag, Free, Kind, Note, Number, Param, Text, shown
 
@@ -60,7 +59,7 @@ class Method:
         names = [param.name for param in self.params]
         for name in named:
             if name not in names:
-                raise BadRequest(f"{self.name} has no parameter {name}{nearest(name, names)}.", name)
+                raise BadRequest(f"{self.name} has no parameter {name}{nearest(name, names)}", name)
         return named
 
     def _in_order(self, values: list[Value]) -> dict[str, Value]:
@@ -120,14 +119,8 @@ def find(methods: Mapping[str, Method], name: str) -> Method:
         BadRequest: there is none.
     """
     if name not in methods:
-        raise BadRequest(f"There is no method {shown(name)}{nearest(name, methods)}.", "method")
+        raise BadRequest(f"There is no method {shown(name)}{nearest(name, methods)}", "method")
     return methods[name]
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """The end of a sentence about an unknown name: what may have been meant, or nothing."""
-    matches = difflib.get_close_matches(name[:64], list(known), 1)
-    return f"; did you mean {matches[0]}?" if matches else ""
 
 
 @dataclass(slots=True)

@@ -1,13 +1,12 @@
 """A source's own table of options: checked at opening, every error at once, each a sentence."""
 
-import difflib
 from collections.abc import Mapping
 from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
 
-from bentod.errors import ConfigError
+from bentod.errors import ConfigError, nearest
 from bentod.frames import Value
 
 
@@ -44,6 +43,4 @@ def _sentence(detail: ErrorDetails, known: list[str]) -> str:
         return f"The EMG option {key!r} is required."
     if detail["type"] != "extra_forbidden":
         return f"The EMG option {key!r} is {detail['input']!r}: {detail['msg']}."
-    nearest = difflib.get_close_matches(key, known, n=1)
-    hint = f"did you mean {nearest[0]!r}?" if nearest else f"known are {', '.join(known)}."
-    return f"The EMG option {key!r} is unknown; {hint}"
+    return f"The EMG option {key!r} is unknown{nearest(key, known)}"

@@ -210,7 +210,7 @@ def test_a_refusal_is_one_line_and_exit_code_1(ask: Ctl) -> None:
     ("words", "line"),
     [
         (["move", "wrist", "--velocity", "-12"], "velocity = -12 rad/s is below its minimum, -10 rad/s."),
-        (["call", "puase"], "did you mean pause?"),
+        (["call", "puase"], "did you mean 'pause'?"),
         (["call", "pause", "on"], "'on' is not of the form name=value."),
         (["move", "wrist"], "Give --velocity, --position or both."),
         (["inject", "stuck", "wrist", "hand"], "Give one joint at most, then on or off."),

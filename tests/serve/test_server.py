@@ -67,7 +67,7 @@ async def test_a_bad_request_keeps_the_connection(path: Path) -> None:
             "field": "number",
         }
         plug.ask(2, "duble", 4)
-        assert "did you mean double?" in str(error_of(await plug.next())["message"])
+        assert "did you mean 'double'?" in str(error_of(await plug.next())["message"])
         plug.ask(3, "refuse")
         assert error_of(await plug.next())["code"] == "refused"
         plug.ask(4, "double", 4)

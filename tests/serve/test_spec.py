@@ -97,7 +97,7 @@ def test_one_name_several_or_all() -> None:
         (move, [None], "joint", "joint must be a text, not nil."),
         (move, ["x" * 17], "joint", "joint has 17 characters, more than 16."),
         (move, ["a", 1, 1, 1], "params", "move takes at most 3 parameters, not 4."),
-        (move, {"joint": "a", "velcity": 1}, "velcity", "has no parameter velcity; did you mean velocity?"),
+        (move, {"joint": "a", "velcity": 1}, "velcity", "has no parameter velcity; did you mean 'velocity'?"),
         (move, 5, "params", "The parameters of move are an array or a map of names, not 5."),
         (pause, [["a", 1]], "joints", "joints must be a text, not 1."),
         (pause, [["a"] * (MOST_ITEMS + 1)], "joints", "joints has 65 entries, more than 64."),
@@ -180,7 +180,7 @@ def test_types_are_told_in_words() -> None:
 def test_an_unknown_method_names_the_nearest() -> None:
     methods = table((move, pause))
     assert find(methods, "move").name == "move"
-    with pytest.raises(BadRequest, match=r"There is no method 'puase'; did you mean pause\?"):
+    with pytest.raises(BadRequest, match=r"There is no method 'puase'; did you mean 'pause'\?"):
         find(methods, "puase")
 
 
