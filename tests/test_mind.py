@@ -1,0 +1,204 @@
+"""Learners and assist between a reading and a wish: old readings, gaps, toggles, bugs."""
+
+import math
+
+import pytest
+
+from bentod.config import Assist, Learn
+from bentod.control.groups import Groups
+from bentod.errors import BadRequest, Refused
+from bentod.frames import Velocity
+from bentod.learn.horde import Horde
+from bentod.mind import Mind
+from tests.fakes import PERIOD, SPECS, at
+
+BOTH = ("shoulder", "elbow")
+LEARN = Learn(joints=BOTH, timescales=(10.0, 20.0))
+ASSIST = Assist(group="arm", timescale=20.0)
+SHOULDER, ELBOW = 0, 1
+
+
+def mind_of(learn: Learn | None = LEARN, assist: Assist | None = ASSIST) -> Mind:
+    return Mind(SPECS, 1 / PERIOD, Groups(SPECS, {"arm": BOTH}), learn, assist)
+
+
+def watch(mind: Mind, shoulder: float, elbow: float, steps: int = 1, stale: tuple[int, ...] = ()) -> None:
+    """Show the same reading for a while."""
+    for _ in range(steps):
+        mind.predict(at(shoulder, elbow, stale=stale), gap=False)
+
+
+@pytest.fixture
+def cuts(monkeypatch: pytest.MonkeyPatch) -> list[Horde]:
+    """Grows whenever learners are told to forget the step before."""
+    cut: list[Horde] = []
+    monkeypatch.setattr(Horde, "cut", lambda horde: cut.append(horde))
+    return cut
+
+
+def test_each_joint_is_predicted_at_each_timescale() -> None:
+    mind = mind_of()
+    watch(mind, 0.0, 0.0)
+    assert mind.predictions(SHOULDER).keys() == {"10", "20"}
+    assert mind.predictions(ELBOW).keys() == {"10", "20"}
+
+
+def test_before_anything_is_learned_a_joint_is_expected_near_its_minimum() -> None:
+    mind = mind_of()
+    watch(mind, 0.5, 0.5)
+    assert mind.predictions(SHOULDER)["20"] == pytest.approx(-1.0, abs=0.1)
+
+
+def test_a_joint_that_rests_is_soon_expected_where_it_is() -> None:
+    mind = mind_of()
+    watch(mind, 0.3, -0.4, steps=300)
+    assert mind.predictions(SHOULDER)["20"] == pytest.approx(0.3, abs=0.05)
+    assert mind.predictions(ELBOW)["20"] == pytest.approx(-0.4, abs=0.05)
+
+
+def test_only_the_joints_that_are_asked_for_are_predicted() -> None:
+    mind = mind_of(Learn(joints=BOTH, predict=("elbow",)))
+    watch(mind, 0.0, 0.0)
+    assert mind.predictions(SHOULDER) == {}
+    assert mind.predictions(ELBOW).keys() == {"20"}
+
+
+def test_the_features_need_fresh_readings_and_until_then_the_last_predictions_stand(
+    cuts: list[Horde],
+) -> None:
+    mind = mind_of()
+    watch(mind, 0.0, 0.0, steps=10)
+    before = mind.predictions(ELBOW)
+    watch(mind, 0.9, 0.0, steps=5, stale=(SHOULDER,))
+    assert mind.predictions(ELBOW) == before
+    assert len(cuts) == 5
+
+
+def test_a_gap_between_two_readings_is_not_learned_from(cuts: list[Horde]) -> None:
+    mind = mind_of()
+    mind.predict(at(0.0, 0.0), gap=False)
+    assert not cuts
+    mind.predict(at(0.5, 0.5), gap=True)
+    assert len(cuts) == 1
+
+
+def test_a_joint_that_is_only_predicted_teaches_nothing_while_its_reading_is_old() -> None:
+    mind = mind_of(Learn(joints=("shoulder",), predict=BOTH))
+    watch(mind, 0.4, 0.9, steps=300, stale=(ELBOW,))
+    assert mind.predictions(SHOULDER)["20"] == pytest.approx(0.4, abs=0.05)
+    assert mind.predictions(ELBOW)["20"] == pytest.approx(-1.0, abs=0.1)
+    watch(mind, 0.4, 0.9, steps=300)
+    assert mind.predictions(ELBOW)["20"] == pytest.approx(0.9, abs=0.05)
+
+
+def test_readings_that_are_not_numbers_do_not_spoil_what_was_learned() -> None:
+    mind = mind_of(Learn(joints=("shoulder",), predict=BOTH))
+    watch(mind, 0.4, 0.5, steps=100)
+    watch(mind, 0.4, math.nan, steps=10)
+    assert math.isfinite(mind.predictions(ELBOW)["20"])
+
+
+def test_the_unattended_joint_is_sent_to_where_it_is_expected_while_the_other_moves() -> None:
+    mind = mind_of()
+    watch(mind, 0.0, 0.2, steps=300)
+    away = at(0.0, 0.6)
+    helped = mind.assist(away, {SHOULDER})
+    assert helped.frame.engaged
+    velocity = (mind.predictions(ELBOW)["20"] - 0.6) * 30 * 0.025  # thesis (5.1)
+    assert helped.wishes == {ELBOW: Velocity(velocity)}
+    assert mind.assist(away, ()).wishes == {}
+
+
+def test_the_wearers_own_joint_is_never_helped_even_if_a_client_moves_the_other() -> None:
+    mind = mind_of()
+    watch(mind, 0.0, 0.2, steps=300)
+    assert SHOULDER not in mind.assist(at(0.5, 0.6), {SHOULDER, ELBOW}).wishes
+
+
+def test_predictions_from_old_readings_move_nothing() -> None:
+    mind = mind_of()
+    watch(mind, 0.0, 0.2, steps=100)
+    watch(mind, 0.0, 0.2, stale=(ELBOW,))
+    helped = mind.assist(at(0.0, 0.6), {SHOULDER})
+    assert (helped.wishes, helped.frame.engaged) == ({}, False)
+
+
+def test_after_a_toggle_help_waits_for_as_long_as_was_agreed() -> None:
+    mind = mind_of()
+    watch(mind, 0.0, 0.2, steps=300)
+    mind.toggled(now=10.0)
+    assert mind.assist(at(0.0, 0.6, time=10.4), {SHOULDER}).frame.reason == "Manual for 0.5 s after a toggle."
+    assert mind.assist(at(0.0, 0.6, time=10.6), {SHOULDER}).wishes
+
+
+def test_without_tables_there_is_neither_prediction_nor_help() -> None:
+    mind = mind_of(None, None)
+    watch(mind, 0.0, 0.0)
+    mind.toggled(0.0)
+    assert mind.predictions(SHOULDER) == {}
+    assert mind.assist(at(0.0, 0.0), {SHOULDER}).frame.reason == "The config has no [assist] table."
+    assert mind.describe() == {"mode": "off"}
+    with pytest.raises(Refused, match="no \\[assist\\] and \\[learn\\] tables"):
+        mind.change({"k": 0.1})
+
+
+def test_learning_goes_on_while_assist_is_switched_off() -> None:
+    mind = mind_of()
+    mind.change({"mode": "off"})
+    watch(mind, 0.3, -0.4, steps=300)
+    assert mind.predictions(SHOULDER)["20"] == pytest.approx(0.3, abs=0.05)
+    off = mind.assist(at(0.3, 0.6), {SHOULDER})
+    assert (off.wishes, off.frame.mode) == ({}, "off")
+    mind.change({"mode": "dpcc"})
+    assert mind.assist(at(0.3, 0.6), {SHOULDER}).wishes
+
+
+def test_a_learner_that_breaks_is_left_alone_and_the_reason_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    mind = mind_of()
+    watch(mind, 0.0, 0.2, steps=10)
+
+    def break_down(horde: Horde, features: object, positions: object) -> None:
+        raise ZeroDivisionError("oops")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Horde, "step", break_down)
+        watch(mind, 0.0, 0.2)
+    watch(mind, 0.0, 0.2, steps=10)
+    helped = mind.assist(at(0.0, 0.6), {SHOULDER})
+    assert helped.wishes == {}
+    assert helped.frame.reason == "Learning broke and is off: ZeroDivisionError: oops"
+
+
+def test_what_is_not_changed_stays() -> None:
+    mind = mind_of()
+    before = mind.describe()
+    mind.change({"k": 0.1, "timescale": 10.0})
+    assert mind.describe() == before | {"k": 0.1, "timescale": 10.0}
+    mind.change({"velocity_limit_rad_s": 0.2, "manual_after_toggle_s": 0.0})
+    assert mind.describe() == before | {
+        "k": 0.1,
+        "timescale": 10.0,
+        "velocity_limit_rad_s": 0.2,
+        "manual_after_toggle_s": 0.0,
+    }
+
+
+def test_a_velocity_limit_holds_from_then_on() -> None:
+    mind = mind_of()
+    watch(mind, 0.0, -0.9, steps=300)
+    mind.change({"velocity_limit_rad_s": 0.05})
+    assert mind.assist(at(0.0, 0.6), {SHOULDER}).wishes == {ELBOW: Velocity(-0.05)}
+
+
+@pytest.mark.parametrize(
+    ("changes", "field"), [({"timescale": 15.0}, "timescale"), ({"k": 1.0}, "k"), ({"k": 0.0}, "k")]
+)
+def test_a_wrong_value_is_refused_by_name_and_changes_nothing(
+    changes: dict[str, float | str], field: str
+) -> None:
+    mind = mind_of()
+    before = mind.describe()
+    with pytest.raises(BadRequest) as caught:
+        mind.change({"mode": "off"} | changes)
+    assert caught.value.field == field
+    assert mind.describe() == before
