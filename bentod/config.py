@@ -1,12 +1,17 @@
 """The config as values: tables, keys, units and bounds. Frozen once read."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeAlias, cast
 
 from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
 
+from bentod.errors import nearest
 from bentod.frames import JointSpec, Value
+
+STOPPED_AFTER = 0.1
+"""s after the last sample of a source that died, when the arm must have been told to stop."""
 
 Name: TypeAlias = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,31}$")]
 Angle: TypeAlias = Annotated[float, Field(ge=-6.3, le=6.3)]
@@ -33,13 +38,14 @@ class Chosen(BaseModel):
 
 
 class Joint(Table):
-    """One joint: limits, speed, home, and the driver's own keys in `hardware`."""
+    """One joint: limits, speed, home, its driver (the default without), and the driver's own `hardware`."""
 
     name: Name
     min_rad: Angle
     max_rad: Angle
     max_velocity_rad_s: Annotated[float, Field(gt=0, le=10)]
     home_rad: Angle = 0.0
+    driver: Name | None = None
     hardware: Options = {}
 
     @model_validator(mode="after")
@@ -145,13 +151,28 @@ class Assist(Table):
     manual_after_toggle_s: Annotated[float, Field(ge=0, le=10)] = 0.5
 
 
+@dataclass(frozen=True, slots=True)
+class Share:
+    """One driver, and which joints are on it."""
+
+    key: str  # what joints call it; "" for the default
+    driver: Chosen
+    joints: tuple[int, ...]  # indices, in the order of the file
+
+    @property
+    def place(self) -> str:
+        """Its table in the file."""
+        return f"drivers.{self.key}" if self.key else "driver"
+
+
 class Config(Table):
     """The whole file."""
 
     arm: Annotated[str, Field(min_length=1, max_length=64)]
     rate_hz: Annotated[float, Field(ge=10, le=500)] = 30.0
     socket: Path | None = None
-    driver: Chosen
+    driver: Chosen | None = None
+    drivers: Annotated[dict[Name, Chosen], Field(max_length=16)] = {}
     safety: Safety = Safety()
     joints: Annotated[tuple[Joint, ...], Field(min_length=1, max_length=32)]
     groups: Annotated[tuple[Group, ...], Field(max_length=16)] = ()
@@ -161,10 +182,18 @@ class Config(Table):
 
     @model_validator(mode="after")
     def _names_exist(self) -> Self:
-        problems = [*_duplicates(self), *_dangling(self)]
+        problems = [*_duplicates(self), *_drivers(self), *_dangling(self)]
         if problems:
             raise ValueError("\n".join(problems))
         return self
+
+    def shares(self) -> tuple[Share, ...]:
+        """The drivers that have joints, the default first."""
+        tables = {**({"": self.driver} if self.driver else {}), **self.drivers}
+        joints = {
+            key: tuple(i for i, j in enumerate(self.joints) if (j.driver or "") == key) for key in tables
+        }
+        return tuple(Share(key, tables[key], indices) for key, indices in joints.items() if indices)
 
 
 def _duplicates(config: Config) -> list[str]:
@@ -180,6 +209,21 @@ def _duplicates(config: Config) -> list[str]:
         for name in sorted(set(names))
         if names.count(name) > 1
     ]
+
+
+def _drivers(config: Config) -> list[str]:
+    """Joints without a driver, and drivers without a joint."""
+    named = {joint.driver for joint in config.joints}
+    problems = [
+        f"joints.{i}.driver: there is no [drivers.{joint.driver}]{nearest(joint.driver, config.drivers)}"
+        for i, joint in enumerate(config.joints)
+        if joint.driver is not None and joint.driver not in config.drivers
+    ]
+    if config.driver is None and None in named:
+        problems.append("driver: is missing, and not every joint names another")
+    if config.driver is not None and None not in named:
+        problems.append("driver: no joint is on it")
+    return problems + [f"drivers.{key}: no joint is on it" for key in config.drivers if key not in named]
 
 
 def _dangling(config: Config) -> list[str]:
@@ -200,7 +244,18 @@ def _dangling(config: Config) -> list[str]:
     found = [
         f"{where}: there is no {kind} '{name}'" for where, name, known, kind in uses if name not in known
     ]
-    return found + _assist_without_learning(config)
+    return found + _assist_without_learning(config) + _too_slow_to_stop(config)
+
+
+def _too_slow_to_stop(config: Config) -> list[str]:
+    """A source that dies is noticed after `stall_s`, and stopped for at the next tick: 100 ms in all."""
+    if config.emg is None or config.emg.stall_s + 1 / config.rate_hz <= STOPPED_AFTER + 1e-9:
+        return []
+    late = (config.emg.stall_s + 1 / config.rate_hz) * 1e3
+    return [
+        f"emg.stall_s = {config.emg.stall_s:g} at rate_hz = {config.rate_hz:g}: muscles that die would "
+        f"move the arm for up to {late:.0f} ms; the bound is {STOPPED_AFTER * 1e3:.0f} ms"
+    ]
 
 
 def _assist_without_learning(config: Config) -> list[str]:

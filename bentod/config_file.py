@@ -30,7 +30,7 @@ class Overrides:
     """What the command line puts in the place of the file's."""
 
     emg_source: Chosen | None = None
-    port: str = ""  # of the driver
+    port: str = ""  # of the default driver
 
 
 NONE = Overrides()
@@ -55,8 +55,7 @@ def parse(text: str, source: str, models: OptionModels, overrides: Overrides = N
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{source}: not valid TOML: {error}") from error
-    _override(data, overrides)
-    problems: list[str] = []
+    problems = _override(data, overrides)
     config: Config | None = None
     try:
         config = Config.model_validate(data)
@@ -68,20 +67,26 @@ def parse(text: str, source: str, models: OptionModels, overrides: Overrides = N
     return config
 
 
-def _override(data: dict[str, object], overrides: Overrides) -> None:
+def _override(data: dict[str, object], overrides: Overrides) -> list[str]:
+    """Put the command line's values in; what cannot be put anywhere is a mistake too."""
     emg, driver = data.get("emg"), data.get("driver")
+    if overrides.emg_source and emg is None:
+        return ["an EMG source can only be replaced in the table [emg], and there is none"]
     if overrides.emg_source and isinstance(emg, dict):
         emg["source"] = {"name": overrides.emg_source.name, **overrides.emg_source.options}
     if overrides.port and isinstance(driver, dict):
         driver["port"] = overrides.port
+    elif overrides.port and "drivers" in data:
+        return ["a port can only be replaced in the table [driver], and there is none"]
+    return []
 
 
 def _option_problems(data: Mapping[str, object], models: OptionModels) -> list[str]:
-    """Mistakes in the tables that belong to the driver and to the EMG source."""
+    """Mistakes in the tables that belong to the drivers and to the EMG source."""
     problems: list[str] = []
-    driver = data.get("driver")
-    if isinstance(driver, dict) and isinstance(driver.get("name"), str):
-        problems += _driver_problems(driver, data.get("joints"), models)
+    for key, table in _driver_tables(data).items():
+        joints = _joints_on(key, data.get("joints"))
+        problems += _driver_problems(("drivers", key) if key else ("driver",), table, joints, models)
     emg = data.get("emg")
     source = emg.get("source") if isinstance(emg, dict) else None
     if isinstance(source, dict) and isinstance(source.get("name"), str):
@@ -92,15 +97,36 @@ def _option_problems(data: Mapping[str, object], models: OptionModels) -> list[s
     return problems
 
 
-def _driver_problems(driver: Mapping[str, object], joints: object, models: OptionModels) -> list[str]:
+def _driver_tables(data: Mapping[str, object]) -> dict[str, Mapping[str, object]]:
+    """Tables that choose a driver, by what joints call it: "" for the default."""
+    others = data.get("drivers")
+    tables = {"": data.get("driver"), **(others if isinstance(others, dict) else {})}
+    return {
+        key: table
+        for key, table in tables.items()
+        if isinstance(table, dict) and isinstance(table.get("name"), str)
+    }
+
+
+def _joints_on(key: str, joints: object) -> dict[int, object]:
+    """`hardware` of the joints on one driver, by index."""
+    return {
+        index: joint.get("hardware", {})
+        for index, joint in enumerate(joints if isinstance(joints, list) else [])
+        if isinstance(joint, dict) and joint.get("driver", "") == key
+    }
+
+
+def _driver_problems(
+    where: tuple[str, ...], driver: Mapping[str, object], joints: Mapping[int, object], models: OptionModels
+) -> list[str]:
     try:
         options, hardware = models.driver_models(str(driver["name"]))
     except ConfigError as error:
-        return [f"driver.name: {error}"]
-    problems = _check(options, _without_name(driver), ("driver",))
-    for index, joint in enumerate(joints if isinstance(joints, list) else []):
-        if isinstance(joint, dict):
-            problems += _check(hardware, joint.get("hardware", {}), ("joints", index, "hardware"))
+        return [f"{'.'.join(where)}.name: {error}"]
+    problems = _check(options, _without_name(driver), where)
+    for index, table in joints.items():
+        problems += _check(hardware, table, ("joints", index, "hardware"))
     return problems
 
 

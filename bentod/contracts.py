@@ -63,7 +63,19 @@ class Joints(Protocol):
         ...
 
     def torque(self) -> tuple[bool, ...]:
-        """Torque of each joint as last confirmed by the hardware; at opening, as it was found."""
+        """Torque of each joint as last confirmed by the hardware; at opening, as it was found.
+
+        It may change by itself: a servo that was reset, or found again after the line was lost, has the
+        torque that it was found with. Only `set_torque` ever asks for it.
+        """
+        ...
+
+    async def clear_errors(self, joints: Sequence[int]) -> tuple[str, ...]:
+        """Clear the errors of these joints as far as their hardware can; a joint may be limp afterwards.
+
+        Returns a sentence for each joint that needs something else, e.g. a power cycle. Never raises for
+        a silent bus: that is a sentence too.
+        """
         ...
 
 

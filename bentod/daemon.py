@@ -18,6 +18,7 @@ from bentod.control.modes import Modes
 from bentod.desk import Desk, Rules
 from bentod.emg.feed import Feed
 from bentod.endpoint import default_socket_path
+from bentod.ensemble import Member, gather
 from bentod.errors import BentodError
 from bentod.frames import Event, Frame
 from bentod.inbox import Inbox
@@ -60,16 +61,12 @@ class Daemon:
             inbox = Inbox()
             room = Room(inbox, self._about())
             server = await stack.enter_async_context(Server(arm_methods(room), self.socket))
-            stack.callback(inbox.close, "the daemon is ending")
             joints = await self._open_joints(stack)
             room.injector = joints if isinstance(joints, FaultInjector) else None
             feed = await self._open_feed(stack)
             desk = self._desk(joints, feed)
             publisher = _Publisher(room, server, self.supervisor, self.clock)
-            ladder = self._ladder()
-            controller = Controller(
-                joints, desk, inbox, ladder, self.clock, self.config.rate_hz, publisher.publish
-            )
+            controller = Controller(joints, desk, inbox, self.clock, self.config.rate_hz, publisher.publish)
             _log.info("serving %s on %s", self.config.arm, self.socket)
             stack.enter_context(_signals_call(controller.end))
             torque = await self._live(controller, inbox, feed, ticks)
@@ -89,6 +86,7 @@ class Daemon:
                 await controller.run(ticks)
             finally:
                 self.supervisor.stopping()
+                inbox.close("the daemon is ending")  # from here on nobody moves or arms anything
                 torque = await controller.settle(limp=self.config.safety.exit == "limp")
                 for helper in helpers:
                     helper.cancel()
@@ -101,7 +99,7 @@ class Daemon:
             return "The arm was left limp."
         if self.config.safety.exit == "hold":
             return f"The arm was left with torque on, as the config asks: {', '.join(holding)}."
-        return f"Torque may still be on, because no servo confirmed that it is off: {', '.join(holding)}."
+        return f"Torque may still be on, because nothing confirmed that it is off: {', '.join(holding)}."
 
     async def _start(self, inbox: Inbox) -> None:
         """Bring the arm to the mode that the config wants it to start in."""
@@ -119,10 +117,15 @@ class Daemon:
         self.supervisor.ready()
 
     async def _open_joints(self, stack: AsyncExitStack) -> Joints:
-        driver = self.config.driver
         specs = tuple(joint.spec() for joint in self.config.joints)
-        config = ArmConfig(specs, 1 / self.config.rate_hz, driver.options)
-        return await stack.enter_async_context(registry.open_joints(driver.name)(config, self.clock))
+        members = []
+        for share in self.config.shares():
+            own = tuple(specs[index] for index in share.joints)
+            config = ArmConfig(own, 1 / self.config.rate_hz, share.driver.options)
+            opened = registry.open_joints(share.driver.name)(config, self.clock)
+            joints = await stack.enter_async_context(opened)
+            members.append(Member(share.key or "driver", joints, share.joints))
+        return gather(members)
 
     async def _open_feed(self, stack: AsyncExitStack) -> Feed | None:
         emg = self.config.emg
@@ -139,21 +142,19 @@ class Daemon:
         groups = Groups(specs, {group.name: group.joints for group in config.groups})
         modes = Modes([spec.name for spec in specs], joints.torque())
         safety = config.safety
-        rules = Rules(self._ladder(), safety.fault == "limp", safety.home_speed_rad_s, safety.lease_max_s)
+        ladder = Ladder(safety.hold_after_s, safety.fault_after_s)
+        rules = Rules(ladder, safety.fault == "limp", safety.home_speed_rad_s, safety.lease_max_s)
         muscles = (
             Muscles(feed, config.emg.sites, config.emg.pairs, config.emg.window) if config.emg else Muscles()
         )
         mind = Mind(specs, config.rate_hz, groups, config.learn, config.assist)
         return Desk(specs, groups, modes, rules, muscles, mind)
 
-    def _ladder(self) -> Ladder:
-        return Ladder(self.config.safety.hold_after_s, self.config.safety.fault_after_s)
-
     def _about(self) -> About:
         config = self.config
         return About(
             arm=config.arm,
-            driver=config.driver.name,
+            driver=", ".join(dict.fromkeys(share.driver.name for share in config.shares())),
             rate_hz=config.rate_hz,
             joints=tuple(joint.spec() for joint in config.joints),
             groups={group.name: group.joints for group in config.groups},
@@ -185,14 +186,15 @@ class _Publisher:
         self._clock = clock
         self._status = ""
 
-    def publish(self, frame: Frame, events: Sequence[Event]) -> None:
-        """Called by the tick, and only by it: that is what feeds the watchdog."""
+    def publish(self, frame: Frame, events: Sequence[Event], whole: bool) -> None:
+        """Called by the tick, and only by it; a tick that is `whole` feeds the watchdog."""
         self._room.newest = frame
         self._server.publish_state(frame)
         for event in events:
             self._server.publish_event(event)
             _log.log(_LEVELS.get(event.kind, logging.INFO), "%s", event.text)
-        self._supervisor.tick(self._clock.now())
+        if whole:
+            self._supervisor.tick(self._clock.now())
         status = f"fault: {frame.fault}" if frame.fault else frame.mode.value
         if status != self._status:
             self._supervisor.status(status)

@@ -3,13 +3,15 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from bentod.control.clients import Clients
 from bentod.control.goals import Goals
 from bentod.control.groups import Group, Groups
 from bentod.control.health import Ladder
-from bentod.control.leases import Holder, Lease, Leases
+from bentod.control.journal import Journal
+from bentod.control.leases import Holder, Lease
 from bentod.control.modes import Modes
 from bentod.errors import BadRequest, Refused, nearest
-from bentod.frames import Command, Event, GoalFrame, JointSpec, Mode, State, Value, Wishes
+from bentod.frames import Command, JointSpec, Mode, State, Stop, Value, Wishes
 from bentod.mind import Mind
 from bentod.muscles import Muscles
 
@@ -42,58 +44,79 @@ class Desk:
         self.muscles = muscles
         self.mind = mind
         self.meta: Value = None
-        self.goals = Goals(modes, self._tell_goal)
+        self.clients = Clients()
+        self.journal = Journal(self.specs)
+        self.goals = Goals(modes, self.journal.goal)
         self.state: State | None = None
-        self.now = 0.0
-        self._rules = rules
-        self._joint_leases: Leases[int, Command] = Leases()
-        self._group_leases: Leases[str, float] = Leases()
-        self._events: list[Event] = []
-        self._errors: tuple[tuple[str, ...], ...] = ((),) * len(self.specs)
+        self.to_clear: tuple[int, ...] = ()
+        """Joints whose servos are to clear their errors in this tick."""
+        self.needs: tuple[str, ...] = ()
+        """What servos needed besides, when they were last asked to clear their errors."""
+        self.rules = rules
+        self._down: frozenset[int] = frozenset()
+
+    def begin(self, now: float) -> None:
+        """A tick begins (monotonic s): leases are reckoned from here."""
+        self.journal.now = now
+
+    @property
+    def now(self) -> float:
+        """Monotonic s of the tick under way."""
+        return self.journal.now
 
     # Verbs: each takes effect in the tick that is about to begin.
 
     def pause(self, joints: Sequence[int], on: bool) -> None:
         """Stop joints until released, or release them. Raises Refused as `Modes.pause` does."""
+        if on:
+            self.clients.drop(joints)
         self.modes.pause(joints, on)
         self.goals.cancel("the arm was paused" if on else "the arm was released", joints)
         self.modes.pause(joints, on)  # the goal's end may have paused again what was released
-        self.note("mode", f"{self._names(joints)} {'paused' if on else 'released'}")
+        self.journal.note("mode", f"{self._names(joints)} {'paused' if on else 'released'}")
 
     def torque(self, joints: Sequence[int], on: bool) -> None:
         """Switch torque, which pauses. Raises Refused as `Modes.ask_torque` does."""
         self.modes.ask_torque(joints, on)
+        self.clients.drop(joints)
         self.goals.cancel("torque was switched", joints)
-        self.note("mode", f"torque {'on' if on else 'off'} asked for {self._names(joints)}")
+        self.journal.note("mode", f"torque {'on' if on else 'off'} asked for {self._names(joints)}")
 
     def stop(self, who: str) -> None:
         """Stop everything: wishes and goals are dropped, every joint is paused. Never refused."""
-        self._drop_wishes()
+        self.clients.clear()
         self.goals.cancel(f"stopped by {who}")
         self.modes.pause(range(len(self.specs)), True)
-        self.note("mode", f"stopped by {who}")
+        self.journal.note("mode", f"stopped by {who}")
 
     def clear_fault(self) -> None:
-        """Unlatch the fault; joints stay as they are. Raises Refused: no fault, or its cause persists."""
+        """Unlatch the fault; joints stay paused. Servos with errors are first asked to clear them.
+
+        Raises:
+            Refused: there is no fault, or joints still do not answer.
+        """
         if not self.modes.fault:
             raise Refused("there is no fault to clear")
-        cause = self.state and self._rules.ladder.reason_for_fault(self.state, self.specs)
-        if cause:
-            raise Refused(f"the cause is still there: {cause}")
-        self.modes.clear_fault()
-        self.note("fault", "fault cleared; joints stay paused")
+        silence = self.state and self.rules.ladder.silence(self.state, self.specs)
+        if silence:
+            raise Refused(f"the cause is still there: {silence}")
+        joints = self.state.joints if self.state else ()
+        self.to_clear = tuple(i for i, joint in enumerate(joints) if joint.errors or joint.shut_down)
+        if not self.to_clear:
+            self.errors_cleared(())
 
     def move(self, joint: int, command: Command, holder: Holder, lease: float) -> None:
         """Move a joint for `lease` seconds. Raises Refused: it may not move, or another client holds it."""
         self._must_be_active(joint)
-        self._joint_leases.take(joint, Lease(holder, command, self.now + self._lease(lease)))
+        self.clients.move(joint, Lease(holder, command, self.now + self._lease(lease)))
         self.goals.cancel(f"{holder.client} moved {self.specs[joint].name}", (joint,))
 
     def group_command(self, name: str, effort: float, holder: Holder, lease: float) -> Group:
         """Move a group's active joint at `effort` (-1..1) for `lease` seconds. Raises as `move` does."""
         group = self.groups.group(name)
         self._must_be_active(group.active)
-        self._group_leases.take(name, Lease(holder, effort, self.now + self._lease(lease)))
+        command = self.groups.wish(name, effort).get(group.active, Stop())
+        self.clients.move(group.active, Lease(holder, command, self.now + self._lease(lease)), name)
         self.goals.cancel(f"{holder.client} moved the group {name}", (group.active,))
         return group
 
@@ -122,17 +145,18 @@ class Desk:
         if self.state is None:
             raise Refused("the arm has not been read yet")
         specs = {joint: self.specs[joint] for joint in joints}
-        return self.goals.begin(specs, self.state.joints, self._rules.home_speed, self.now)
+        self.clients.drop(joints)
+        return self.goals.begin(specs, self.state.joints, self.rules.home_speed, self.now)
 
     def pause_muscles(self, on: bool) -> None:
         """Let the wearer's muscles drive nothing, or let them drive again."""
         self.muscles.paused = on
-        self.note("emg", f"EMG {'paused' if on else 'released'}")
+        self.journal.note("emg", f"EMG {'paused' if on else 'released'}")
 
     def set_meta(self, meta: Value) -> None:
         """Put `meta` into every frame from now on."""
         self.meta = meta
-        self.note("meta", "meta set", {"meta": meta})
+        self.journal.note("meta", "meta set", {"meta": meta})
 
     def describe_groups(self) -> Value:
         """The groups as clients see them."""
@@ -145,22 +169,20 @@ class Desk:
             for group in self.groups
         ]
 
-    def vanish(self, session: int) -> None:
-        """A client is gone, and its wishes with it."""
-        self._joint_leases.release(session)
-        self._group_leases.release(session)
-
     # What the tick tells the desk.
 
     def watch(self, state: State, now: float) -> None:
         """Take in a new reading: staleness, servo errors, leases that ran out, the goal's progress."""
-        self.state, self.now = state, now
-        reason = self._rules.ladder.reason_for_fault(state, self.specs)
+        self.state = state
+        self.journal.now = now
+        reason = self.rules.ladder.reason_for_fault(state, self.specs)
         if reason:
             self.fault(reason)
-        self._tell_errors(state)
-        self._joint_leases.expire(now)
-        self._group_leases.expire(now)
+        down = frozenset(joint for joint, reading in enumerate(state.joints) if reading.shut_down)
+        self.modes.ask_torque(down - self._down, False)  # else its old goal waits for the alarm to end
+        self._down = down
+        self.journal.errors(state)
+        self.clients.expire(now)
         self.goals.advance(state.joints, now)
 
     def torque_confirmed(self, torque: Sequence[bool]) -> None:
@@ -170,7 +192,7 @@ class Desk:
         for on in (True, False):
             changed = [joint for joint, was in enumerate(before) if torque[joint] is on is not was]
             if changed:
-                self.note("mode", f"torque is {'on' if on else 'off'}: {self._names(changed)}")
+                self.journal.note("mode", f"torque is {'on' if on else 'off'}: {self._names(changed)}")
 
     def torque_found(self, torque: Sequence[bool]) -> None:
         """Servos lost or gained torque by themselves: that is a fault, and what they have is believed."""
@@ -179,18 +201,28 @@ class Desk:
         what = f"{self._names(lost)} lost torque" if lost else "a servo gained torque"
         self.fault(f"{what} unasked: power or servo was reset")
 
+    def errors_cleared(self, needs: Sequence[str]) -> None:
+        """The servos in `to_clear` have done what they could; `needs` says what some of them need besides."""
+        self.to_clear = ()
+        self.needs = tuple(needs)
+        if needs:
+            self.journal.note("fault", f"not cleared: {' '.join(needs)}")
+            return
+        self.modes.clear_fault()
+        self.journal.note("fault", "fault cleared; joints stay paused")
+
     def fault(self, reason: str) -> None:
         """The one door into fault; the first reason stays until it is cleared."""
-        if self.modes.enter_fault(reason, self._rules.limp_on_fault):
-            self._drop_wishes()
+        if self.modes.enter_fault(reason, self.rules.limp_on_fault):
+            self.clients.clear()
             self.goals.cancel(f"fault: {reason}")
-            self.note("fault", reason)
+            self.journal.note("fault", reason)
 
     def torque_failed(self, why: str) -> None:
         """The hardware did not confirm a torque that was asked for; that is told even in a fault."""
         reason = f"torque could not be switched: {why}"
         if self.modes.fault:
-            self.note("fault", reason)
+            self.journal.note("fault", reason)
         self.fault(reason)
 
     def operator(self, efforts: Mapping[str, float], toggles: Sequence[str]) -> Wishes:
@@ -206,29 +238,6 @@ class Desk:
             self.goals.disturb("the wearer moved")
         return wishes
 
-    def client_wishes(self) -> Wishes:
-        """What clients' leases ask: joints, and groups through their active joint."""
-        wishes: dict[int, Command] = {}
-        for name, lease in self._group_leases:
-            wishes.update(self.groups.wish(name, lease.wish))
-        wishes.update({joint: lease.wish for joint, lease in self._joint_leases})
-        return wishes
-
-    def holder(self, joint: int) -> str:
-        """Name of the client whose lease moves the joint."""
-        held = {self.groups.group(name).active: lease.holder.client for name, lease in self._group_leases}
-        held.update({j: lease.holder.client for j, lease in self._joint_leases})
-        return held.get(joint, "")
-
-    def events(self) -> list[Event]:
-        """What happened since the last call."""
-        events, self._events = self._events, []
-        return events
-
-    def note(self, kind: str, text: str, data: Mapping[str, Value] | None = None) -> None:
-        """Record something that happened once."""
-        self._events.append(Event(self.now, kind, text, data or {}))
-
     # Names and bounds.
 
     def select(self, joints: str | Sequence[str] | None) -> tuple[int, ...]:
@@ -237,6 +246,8 @@ class Desk:
             return tuple(range(len(self.specs)))
         names = [spec.name for spec in self.specs]
         asked = [joints] if isinstance(joints, str) else list(joints)
+        if not asked:
+            raise BadRequest("name at least one joint, or leave the names out for all of them", "joints")
         for name in asked:
             if name not in names:
                 raise BadRequest(f"there is no joint '{name}'{nearest(name, names)}", "joints")
@@ -244,6 +255,10 @@ class Desk:
 
     def _must_be_active(self, joint: int) -> None:
         mode = self.modes.of(joint)
+        if self.goals.borrows(joint):
+            raise Refused(
+                f"{self.specs[joint].name} is paused and on its way home: release it (pause off) first"
+            )
         if mode is Mode.ACTIVE:
             return
         remedy = {
@@ -255,35 +270,15 @@ class Desk:
         )
 
     def _lease(self, seconds: float) -> float:
-        return min(seconds, self._rules.lease_max)
-
-    def _drop_wishes(self) -> None:
-        self._joint_leases.clear()
-        self._group_leases.clear()
+        return min(seconds, self.rules.lease_max)
 
     def _switched(self, group: Group, who: str) -> None:
         name = self.specs[group.active].name
+        self.clients.drop_group(group.name)
         self.mind.toggled(self.now)
-        self.note("group", f"{who} switched {group.name} to {name}", {"group": group.name, "active": name})
-
-    def _tell_goal(self, goal: GoalFrame) -> None:
-        text = f"{goal.kind} {goal.status}, {goal.progress:.0%}" + (f": {goal.reason}" if goal.reason else "")
-        self.note(
-            "goal",
-            text,
-            {"id": goal.id, "status": goal.status, "progress": goal.progress, "reason": goal.reason},
+        self.journal.note(
+            "group", f"{who} switched {group.name} to {name}", {"group": group.name, "active": name}
         )
-
-    def _tell_errors(self, state: State) -> None:
-        for spec, joint, before in zip(self.specs, state.joints, self._errors, strict=True):
-            if joint.errors != before:
-                text = (
-                    f"{spec.name} reports {', '.join(joint.errors)}"
-                    if joint.errors
-                    else f"{spec.name} reports no error"
-                )
-                self.note("servo", text, {"joint": spec.name, "errors": list(joint.errors)})
-        self._errors = tuple(joint.errors for joint in state.joints)
 
     def _names(self, joints: Sequence[int]) -> str:
         whole = len(joints) == len(self.specs)

@@ -9,7 +9,7 @@ from bentod.errors import BadRequest, BentodError
 from bentod.frames import Value
 from bentod.messages import Limits, Notification, Response
 
-GENEROUS = Limits(size=4 * 1024 * 1024, depth=32)
+GENEROUS = Limits(size=4 * 1024 * 1024, trusted=True)
 """What a client takes from the daemon it trusts: frames and tables may be long."""
 
 BACKLOG = 1024

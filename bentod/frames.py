@@ -50,6 +50,16 @@ class JointSpec:
 
 
 @dataclass(frozen=True, slots=True)
+class StopReport:
+    """How a joint came to rest after the last time it was told to."""
+
+    rule: str  # how the resting place was estimated
+    time: float  # monotonic s, when it was told to stop
+    travel: float  # rad, way from where it was read at that moment to where it came to rest, along its motion
+    bounce: float  # rad, how far it came back from its farthest point; 0 or more
+
+
+@dataclass(frozen=True, slots=True)
 class JointState:
     """One joint as it was last read."""
 
@@ -61,6 +71,8 @@ class JointState:
     age: float  # s from the sampling of these values to the time of the State they are in
     freshness: Freshness
     errors: tuple[str, ...] = ()  # what the servo itself complains of, in its manual's words
+    stop: StopReport | None = None  # of the last stop that has come to rest, if the driver reports it
+    shut_down: bool = False  # the servo has switched itself off and does nothing until its errors are cleared
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +149,7 @@ class JointFrame:
     age: float  # s
     freshness: Freshness
     errors: tuple[str, ...]
+    stop: StopReport | None
     asked: Mapping[str, Command]  # by source: "client", "home", "emg", "assist"
     holder: str  # the source that won, with the client's name; empty when nobody asks
     sent: Command | None  # None: nothing was written, the joint is limp or in fault

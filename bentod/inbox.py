@@ -36,6 +36,8 @@ class _Pending(Generic[T]):
             self._result.append(self._request(desk))
         except BentodError as error:
             self.future.set_exception(error)
+        except Exception as error:  # noqa: BLE001 -- one client's request must not break the tick of all
+            self.future.set_exception(error)
 
     def answer(self, frame: Frame) -> None:
         """Answer with what came of it."""

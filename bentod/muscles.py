@@ -21,6 +21,10 @@ class Look:
     frame: EmgFrame
 
 
+_FIELDS = {"threshold": "threshold_v", "maximum": "max_v"}
+"""What clients call a site's parameters."""
+
+
 class Muscles:
     """The wearer's muscles as the controller sees them; without a feed there is no wearer."""
 
@@ -100,7 +104,7 @@ class Muscles:
                 maximum=old.maximum if maximum is None else maximum,
             )
         except ConfigError as error:
-            raise BadRequest(str(error), error.field) from error
+            raise BadRequest(str(error), _FIELDS.get(error.field, error.field)) from error
         self._proportional.sites = tuple(sites.values())
         self._set_toggle_sites()
 

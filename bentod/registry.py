@@ -42,6 +42,12 @@ JOINTS = {
     "sim": Driver(
         "sim.joints:open_plain_joints", "sim.options:Options", "drivers.dynamixel.options:Hardware"
     ),
+    "can": Driver(
+        "drivers.can.bus:open_joints", "drivers.can.options:Options", "drivers.can.options:Hardware"
+    ),
+    "sim-can": Driver(
+        "sim.can.joints:open_joints", "sim.can.options:Options", "drivers.can.options:Hardware"
+    ),
 }
 
 EMG = {
@@ -54,7 +60,11 @@ COMMANDS = {
     "check": "bentod.cli.check:check",
     "ctl": "bentod.cli.ctl:ctl",
     "watch": "bentod.cli.watch:watch",
+    "doctor": "drivers.dynamixel.doctor.command:doctor",
+    "servo": "drivers.dynamixel.provision.command:servo",
+    "calibrate": "bentod.cli.calibrate:calibrate",
     "sim-bus": "sim.bus_process:sim_bus",
+    "sim-can": "sim.can.process:sim_can",
 }
 
 TARGETS = {

@@ -1,11 +1,11 @@
 """One tick as one atomic message: what was read, asked, decided, sent and expected."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bentod.control.arbiter import Decision, asked_of
 from bentod.desk import Desk
-from bentod.frames import AssistFrame, Command, Frame, GroupFrame, JointFrame, State, Wishes
+from bentod.frames import AssistFrame, Command, Frame, GroupFrame, JointFrame, Mode, State, Stop, Wishes
 from bentod.muscles import Look
 
 
@@ -61,6 +61,15 @@ def frame(stamp: Stamp, desk: Desk, deed: Deed) -> Frame:
     )
 
 
+def faulted(last: Frame, tick: int, due: float, fault: str) -> Frame:
+    """A tick that broke (due: monotonic s): what was last known, in fault, and everything told to stop."""
+    joints = tuple(
+        replace(joint, mode=Mode.FAULT, asked={}, holder=Mode.FAULT, sent=Stop() if joint.torque else None)
+        for joint in last.joints
+    )
+    return replace(last, tick=tick, time=due, mode=Mode.FAULT, fault=fault, joints=joints)
+
+
 def _joint(joint: int, desk: Desk, deed: Deed) -> JointFrame:
     reading = deed.state.joints[joint]
     holder = deed.decided[joint].holder
@@ -76,8 +85,9 @@ def _joint(joint: int, desk: Desk, deed: Deed) -> JointFrame:
         age=reading.age,
         freshness=reading.freshness,
         errors=reading.errors,
+        stop=reading.stop,
         asked=asked_of(joint, deed.wishes),
-        holder=f"client:{desk.holder(joint)}" if holder == "client" else holder,
+        holder=f"client:{desk.clients.holder(joint)}" if holder == "client" else holder,
         sent=deed.sent[joint],
         predictions=desk.mind.predictions(joint),
     )

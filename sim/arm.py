@@ -1,6 +1,7 @@
 """The servos of one arm, advanced together through time, and everything that can be broken about them."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import TypeAlias
 
 from bentod.errors import BadRequest
 from sim.servo import Servo
@@ -26,6 +27,15 @@ def _silent(servo: Servo, on: bool) -> None:
 
 def _stuck(servo: Servo, on: bool) -> None:
     servo.stuck = on
+
+
+def _blocked(servo: Servo, on: bool) -> None:
+    servo.block(on)
+
+
+def _reboot(servo: Servo, on: bool) -> None:
+    if on:
+        servo.reboot()
 
 
 def _overload(servo: Servo, on: bool) -> None:
@@ -62,6 +72,8 @@ def _slow(servo: Servo, on: bool) -> None:
 SERVO_FAULTS: Mapping[str, Callable[[Servo, bool], None]] = {
     "silent": _silent,
     "stuck": _stuck,
+    "blocked": _blocked,
+    "reboot": _reboot,
     "overload": _overload,
     "overheat": _overheat,
     "low_voltage": _low_voltage,
@@ -69,10 +81,13 @@ SERVO_FAULTS: Mapping[str, Callable[[Servo, bool], None]] = {
     "load_offset": _load_offset,
     "slow": _slow,
 }
-"""Faults of one servo; without a joint they befall every servo."""
+"""Faults of one servo; without a joint they befall every servo. A blocked one can only go back."""
 
 ARM_FAULTS = ("cable", "power", "noise")
 """Faults of the whole arm: the port is gone, the supply is off, bytes are lost and flipped."""
+
+Inject: TypeAlias = Callable[[int, bool], None]
+"""Switches one fault on or off, for the joint of that index; raises BadRequest if it cannot have it."""
 
 
 class Arm:
@@ -87,6 +102,7 @@ class Arm:
         self.noise = 0.0
         """Chance that a packet on the line is lost, and as much again that a byte of it flips."""
         self._watchers: list[Callable[[bool], None]] = []
+        self._offered: dict[str, Inject] = {}
 
     def advance(self, to: float) -> None:
         """Simulate in substeps of 1 ms until the next one would pass `to` (monotonic s)."""
@@ -96,25 +112,35 @@ class Arm:
         self.time += steps * SUBSTEP
         allowed = min(steps, int(self.catch_up / SUBSTEP))
         for servo in self.servos:
-            step = servo.step
-            for _ in range(allowed):
-                step(SUBSTEP)
+            servo.run(allowed, SUBSTEP)
 
     def watch_cable(self, watcher: Callable[[bool], None]) -> None:
         """Call `watcher` with False when the cable is pulled, and with True when it is back."""
         self._watchers.append(watcher)
 
+    def unwatch_cable(self, watcher: Callable[[bool], None]) -> None:
+        """Call `watcher` no more; idempotent."""
+        if watcher in self._watchers:
+            self._watchers.remove(watcher)
+
+    def offer(self, faults: Mapping[str, Inject]) -> None:
+        """Take up faults of what stands in front of the servos, e.g. of their registers."""
+        self._offered.update(faults)
+
     def faults(self) -> tuple[str, ...]:
         """Names of the faults that can be injected."""
-        return (*ARM_FAULTS, *SERVO_FAULTS)
+        return (*ARM_FAULTS, *SERVO_FAULTS, *self._offered)
 
     def inject(self, fault: str, joint: int | None, on: bool) -> None:
         """Switch a fault on or off; see `bentod.contracts.FaultInjector`."""
         if fault in ARM_FAULTS:
             self._inject_everywhere(fault, joint, on)
         elif fault in SERVO_FAULTS:
-            for servo in self._chosen(joint):
-                SERVO_FAULTS[fault](servo, on)
+            for chosen in self._chosen(joint):
+                SERVO_FAULTS[fault](self.servos[chosen], on)
+        elif fault in self._offered:
+            for chosen in self._chosen(joint):
+                self._offered[fault](chosen, on)
         else:
             raise BadRequest(f"there is no fault '{fault}' (known: {', '.join(self.faults())})", "fault")
 
@@ -128,12 +154,13 @@ class Arm:
                 servo.power(not on)
         elif self.plugged is on:
             self.plugged = not on
-            for watcher in self._watchers:
+            for watcher in tuple(self._watchers):
                 watcher(self.plugged)
 
-    def _chosen(self, joint: int | None) -> tuple[Servo, ...]:
+    def _chosen(self, joint: int | None) -> Sequence[int]:
+        """Indices."""
         if joint is None:
-            return self.servos
+            return range(len(self.servos))
         if not 0 <= joint < len(self.servos):
             raise BadRequest(f"joint {joint} does not exist: the arm has {len(self.servos)} joints", "joint")
-        return (self.servos[joint],)
+        return (joint,)

@@ -11,12 +11,14 @@ from bentod.contracts import ArmConfig
 from bentod.frames import JointSpec
 from drivers.dynamixel.options import Hardware, parse_hardware
 from sim.arm import Arm
-from sim.dynamixel import tables
-from sim.dynamixel.bus import FAST_RATES, Bus
+from sim.dynamixel.bus import Bus
 from sim.dynamixel.device import Device
+from sim.dynamixel.faults import RegisterFaults
+from sim.dynamixel.models import TABLES, build_device
 from sim.options import Options
-from sim.servo import CENTRE, TICK, Link, Servo
-from sim.servo_models import SERVO_MODELS
+from sim.servo import Servo
+from sim.servo_models import MX_SCALE, SERVO_MODELS
+from sim.shaft import Link
 
 STOP_MARGIN = 0.02
 """rad from a joint's limit to its hard stop, assumed."""
@@ -56,8 +58,8 @@ def bento_joints() -> tuple[JointSpec, ...]:
     return tuple(
         JointSpec(
             name=name,
-            minimum=(low - CENTRE) * TICK,
-            maximum=(high - CENTRE) * TICK,
+            minimum=MX_SCALE.angle(low),
+            maximum=MX_SCALE.angle(high),
             max_velocity=radians(0.684 * speed),
             home=0.0,
             hardware={"id": i, "model": model},
@@ -76,11 +78,12 @@ def build_arm(config: ArmConfig, options: Options, time: float) -> Arm:
 
 
 def build_bus(arm: Arm, config: ArmConfig, options: Options, timing: bool = True) -> Bus:
-    """Control tables in front of the servos, provisioned as the config wants them."""
+    """Control tables in front of the servos, provisioned as the config wants them; adds faults to the arm."""
     devices = [
         _device(servo, spec, parse_hardware(spec), options)
         for servo, spec in zip(arm.servos, config.joints, strict=True)
     ]
+    arm.offer(RegisterFaults(devices).faults())
     return Bus(devices, options.baud, timing)
 
 
@@ -101,18 +104,18 @@ def _servo(spec: JointSpec, hardware: Hardware, options: Options) -> Servo:
 
 
 def _device(servo: Servo, spec: JointSpec, hardware: Hardware, options: Options) -> Device:
+    table = TABLES[hardware.model]
+    lowest, highest = options.limits_rad.get(spec.name, (spec.minimum, spec.maximum))
     provisioned = {
-        tables.ID: hardware.id,
-        tables.BAUD: _baud_register(options.baud),
-        tables.RETURN_DELAY: 0,
-        tables.CW_LIMIT: CENTRE + round(spec.minimum / TICK),
-        tables.CCW_LIMIT: CENTRE + round(spec.maximum / TICK),
+        table.common.id: hardware.id,
+        table.common.baud: table.baud_register(options.baud),
+        table.common.return_delay: 0,
+        table.common.lowest: _ticks(servo, lowest),
+        table.common.highest: _ticks(servo, highest),
     }
-    return Device(tables.TABLES[hardware.model], servo, provisioned)
+    return build_device(servo, provisioned)
 
 
-def _baud_register(baud: int) -> int:
-    for register, rate in FAST_RATES.items():
-        if rate == baud:
-            return register
-    return min(max(round(2_000_000 / baud) - 1, 0), 249)
+def _ticks(servo: Servo, position: float) -> int:
+    scale = servo.model.scale
+    return min(max(scale.ticks(position), 0), scale.last)

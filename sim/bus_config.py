@@ -4,7 +4,7 @@ import tomllib
 from pathlib import Path
 from typing import TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from bentod.contracts import ArmConfig
 from bentod.errors import ConfigError
@@ -40,10 +40,17 @@ class _Joint(BaseModel):
 
 
 class _File(BaseModel):
-    """What of a config file matters here."""
+    """What of a config file matters here: joints that name a driver of their own are on another bus."""
 
     driver: dict[str, object] = Field(default_factory=dict)
     joints: tuple[_Joint, ...]
+
+    @field_validator("joints", mode="before")
+    @classmethod
+    def _of_this_bus(cls, joints: object) -> object:
+        if not isinstance(joints, list):
+            return joints
+        return [joint for joint in joints if not (isinstance(joint, dict) and joint.get("driver"))]
 
 
 def load(path: Path | None, seed: int | None) -> ArmConfig:

@@ -26,9 +26,14 @@ BEAT = 0.01
 CATCH_UP = 0.1
 """s simulated at most for one request, so that a process that was held up does not miss a deadline too."""
 
-HELP = (
-    "pull | plug | quit | answer ID | FAULT [ID] [off]; without an ID the fault befalls every servo. Faults: "
-)
+PTY_LATENCY = 0.001
+"""s that the pseudo-terminal and two processes take anyway, about as much as a quick USB adapter."""
+
+HELP = """pull, plug        the cable
+FAULT [ID] [off]  begin or end a fault, of one servo or of all
+answer ID         the same as 'silent ID off'
+quit
+Faults: """
 
 
 class BusProcess:
@@ -42,7 +47,8 @@ class BusProcess:
         self.arm = build_arm(config, options, self._loop.time())
         self.arm.catch_up = CATCH_UP
         bus = build_bus(self.arm, config, options, timing)
-        self._line = Line(bus, self.arm, f"{options.seed}/line", latency=0.0)
+        latency = max(options.usb_latency_s - PTY_LATENCY, 0.0)
+        self._line = Line(bus, self.arm, f"{options.seed}/line", latency)
         self._terminal = Terminal(link, self._request)
         self.stopped = asyncio.Event()
         self.arm.watch_cable(self._cable)
@@ -165,7 +171,8 @@ def sim_bus(
 ) -> None:
     """Simulate the servos of an arm behind a pseudo-terminal, whose path is the first line printed.
 
-    Commands on stdin break and mend the arm; `help` lists them. Without --config it is a Bento Arm.
+    Servos are those of the config, of either protocol; without --config it is a Bento Arm. Commands on stdin
+    break and mend it; `help` lists them.
     """
     try:
         with asyncio.Runner(loop_factory=_precise_loop) as runner:

@@ -3,11 +3,13 @@
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import replace
+from itertools import count
 
 from bentod.contracts import ArmConfig, Clock, Joints
+from bentod.errors import BusError
 from bentod.frames import Command, State
 from drivers.dynamixel.joints import open_over
-from sim.arm import Arm
+from sim.arm import GONE, Arm
 from sim.bento import build_arm, build_bus
 from sim.line import Line
 from sim.options import bus_options, parse_options
@@ -37,6 +39,10 @@ class SimulatedJoints:
         """See `bentod.contracts.Joints`."""
         return self._joints.torque()
 
+    async def clear_errors(self, joints: Sequence[int]) -> tuple[str, ...]:
+        """See `bentod.contracts.Joints`."""
+        return await self._joints.clear_errors(joints)
+
     def faults(self) -> tuple[str, ...]:
         """See `bentod.contracts.FaultInjector`."""
         return self.arm.faults()
@@ -51,13 +57,17 @@ async def open_joints(config: ArmConfig, clock: Clock) -> AsyncIterator[Simulate
     """The driver of the real arm, over simulated servos that speak its protocol byte by byte."""
     options = parse_options(config)
     arm = build_arm(config, options, clock.now())
-    line = Line(build_bus(arm, config, options), arm, f"{options.seed}/line")
+    bus = build_bus(arm, config, options)
+    openings = count()
+
+    def connect() -> Line:
+        if not arm.plugged:
+            raise BusError(GONE)
+        return Line(bus, arm, f"{options.seed}/line/{next(openings)}", options.usb_latency_s)
+
     driven = replace(config, options=bus_options(options))
-    try:
-        async with open_over(line, driven, clock) as joints:
-            yield SimulatedJoints(joints, arm)
-    finally:
-        line.close()
+    async with open_over(connect, driven, clock) as joints:
+        yield SimulatedJoints(joints, arm)
 
 
 @asynccontextmanager

@@ -70,6 +70,7 @@ class Line:
     def close(self) -> None:
         """Forget what is underway."""
         self._closed = True
+        self._arm.unwatch_cable(self._cable)
         self._cancel()
 
     def _return(self, at: float, reply: bytes) -> None:

@@ -11,7 +11,8 @@ from bentod.frames import Value
 from drivers.dynamixel.options import Options as BusOptions
 
 Gravity: TypeAlias = Annotated[float, Field(ge=-20, le=20)]
-Start: TypeAlias = Annotated[float, Field(ge=-3.1, le=3.1)]
+Angle: TypeAlias = Annotated[float, Field(ge=-3.1, le=3.1)]
+Limits: TypeAlias = Annotated[list[Angle], Field(min_length=2, max_length=2)]
 
 
 class Options(BusOptions):
@@ -28,8 +29,12 @@ class Options(BusOptions):
     A joint that is not named has the Bento Arm's."""
     temperature: float = Field(25.0, ge=-20, le=70)
     """Of the room, degrees Celsius."""
-    start_rad: dict[str, Start] = Field(default_factory=dict)
+    start_rad: dict[str, Angle] = Field(default_factory=dict)
     """By joint: where it is at the start; a joint that is not named is at home."""
+    limits_rad: dict[str, Limits] = Field(default_factory=dict)
+    """By joint: what its servo holds as its limits; those of a joint that is not named are the config's."""
+    usb_latency_s: float = Field(0.001, ge=0, le=0.05)
+    """What the USB adapter adds to every reply; 0.016 is what Linux and Windows set unless told."""
 
 
 def parse_options(config: ArmConfig) -> Options:
@@ -46,6 +51,7 @@ def parse_options(config: ArmConfig) -> Options:
         raise ConfigError(f"Simulated arm: {key}: {first['msg']}.", field=key) from None
     _check_names(config, "gravity_nm", options.gravity_nm)
     _check_names(config, "start_rad", options.start_rad)
+    _check_names(config, "limits_rad", options.limits_rad)
     return options
 
 
@@ -55,7 +61,7 @@ def bus_options(options: Options) -> dict[str, Value]:
     return values
 
 
-def _check_names(config: ArmConfig, key: str, values: Mapping[str, float]) -> None:
+def _check_names(config: ArmConfig, key: str, values: Mapping[str, object]) -> None:
     known = [spec.name for spec in config.joints]
     for name in values:
         if name not in known:

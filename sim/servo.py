@@ -1,30 +1,22 @@
 """One joint-mode servo as a pure `step(dt)`: dead time, profile, P controller, motor, friction, sensors.
 
 The controller law and the motor constants are from Rhoban/bam (Apache-2.0; Duclusaud et al., ICRA 2025).
-Dead time: Smith & Jivraj's measurements on AX-12+. Thermal constants, the overload rule and the cable's
-resistance are assumed. Not modelled: backlash, gear compliance, jerk of the profile, filtering of the
-present speed, I and D gains, Stribeck friction, coupling between joints, contact. No number that comes
-out of here was ever compared with a real servo.
+Dead time: Smith & Jivraj's measurements on AX-12+. Thermal constants, the overload rule, the boot time and
+the cable's resistance are assumed. Not modelled: backlash, gear compliance, jerk of the profile, filtering of
+the present speed, I and D gains, an AX's compliance margin and punch, Stribeck friction, coupling between
+joints, contact. No number that comes out of here was ever compared with a real servo.
 """
 
 import random
 from collections import deque
-from dataclasses import dataclass
-from math import copysign, inf, pi, sin, sqrt
+from dataclasses import dataclass, replace
+from math import copysign, inf, sqrt
 
 from sim.servo_models import ServoModel
+from sim.shaft import Link, Shaft
 
-TICK = 2 * pi / 4096
-"""rad of one step of the position sensor."""
-
-CENTRE = 2048
-"""Position register at 0 rad."""
-
-SPEED_STEP = 0.114 * 2 * pi / 60
-"""rad/s of one step of the speed register."""
-
-DUTY_PER_GAIN = 0.158
-"""Duty per rad of error and unit of the P register (bam)."""
+STIFFNESS = 0.158 * 32
+"""Duty per rad of error at the default P gain of 32 (bam)."""
 
 GREATEST_DUTY = 0.9625
 """Measured with an oscilloscope (bam)."""
@@ -44,16 +36,11 @@ OVERLOAD_DUTY, OVERLOAD_AFTER = 0.4, 10.0
 CABLE = 0.15
 """Ω between supply and servo, assumed."""
 
+BOOT = 0.3
+"""s from power or a reboot to the first answer, assumed."""
 
-@dataclass(frozen=True, slots=True)
-class Link:
-    """What hangs on the output shaft."""
-
-    gravity: float = 0.0  # N m when it points sideways
-    rest: float = 0.0  # rad, where it hangs still
-    inertia: float = 0.0  # kg m², without the servo's own armature
-    low: float = -pi  # rad, hard stop
-    high: float = pi  # rad, hard stop
+AWAKE = 3
+"""Substeps before something is due in which a servo at rest is stepped again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,15 +52,15 @@ class Setting:
     torque_on: bool = False
     acceleration: float = 0.0  # rad/s², 0: at once
     torque_limit: float = 1.0  # share of the greatest duty
-    p_gain: int = 32  # register
+    stiffness: float = STIFFNESS  # duty per rad
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What the servo's sensors say, in its own quantisation."""
+    """What the servo's sensors say, in the quantisation of its model."""
 
-    ticks: int  # position, 2048 at 0 rad
-    speed: int  # signed, 0.114 rpm
+    ticks: int  # position
+    speed: int  # signed
     load: float  # duty, -1..1
     voltage: float  # V
     temperature: float  # degrees Celsius
@@ -81,29 +68,31 @@ class Reading:
     moving: bool
 
 
-class Servo:
+class Servo(Shaft):
     """A servo with what hangs on it. Positions in rad, 0 at the centre, counter-clockwise positive."""
 
     def __init__(
         self, model: ServoModel, link: Link, position: float = 0.0, dead_time: float = 0.017, seed: str = ""
     ) -> None:
+        super().__init__(link, model.armature, model.coulomb, position)
         self.model = model
-        self.link = link
         self.time = 0.0
-        self.position = position
-        self.velocity = 0.0
-        self.reference = position
+        self.reference, self.rate = position, 0.0
+        """rad and rad/s: where its profile is, to where the P controller pulls the shaft, and how fast."""
         self.duty = 0.0
         self.current = 0.0
         self.temperature = ROOM
         self.temperature_limit = 80.0
+        self.voltage_limits = (6.0, 16.0)
         self.shutdown = ""
         """The alarm that cut the torque, "overload" or "overheat"; empty when none did."""
         self.boots = 0
-        """Times that power came back: whoever keeps registers for this servo then starts afresh."""
+        """Times that it started anew: whoever keeps registers for this servo then starts afresh."""
+        self.boot_time = BOOT
         self.powered = True
         self.silent = False
-        self.stuck = False
+        self.tripped = False
+        """Whether its watchdog heard nothing for too long."""
         self.glitch_rate = 0.0
         """Chance that one reading of the encoder is nonsense."""
         self.load_offset = 0.0
@@ -115,20 +104,20 @@ class Servo:
         self.ambient = ROOM
         self._random = random.Random(seed)
         self.dead_time = dead_time + self._random.uniform(0.0, 0.002)
-        self._rate = 0.0
         self._strain = 0.0
+        self._patience = 0.0
+        self._bite = inf
+        self._up = 0.0
         self._queue: deque[tuple[float, Setting]] = deque()
         self._setting = Setting(position)
-        self._inertia = model.armature + link.inertia
+        self._greatest = GREATEST_DUTY
         self._torque_per_volt = model.torque_constant / model.resistance
         self._back_emf = model.torque_constant * self._torque_per_volt + model.viscous
-        self._stiffness = DUTY_PER_GAIN * self._setting.p_gain
-        self._greatest = GREATEST_DUTY
 
     @property
     def answers(self) -> bool:
         """Whether it hears and replies on the bus."""
-        return self.powered and not self.silent
+        return self.powered and not self.silent and self.time >= self._up
 
     def tell(self, setting: Setting) -> None:
         """Queue `setting`; settings take effect in order, each no sooner than the dead time from now."""
@@ -137,16 +126,26 @@ class Servo:
             due = max(due, self._queue[-1][0])
         self._queue.append((due, setting))
 
+    def run(self, steps: int, dt: float) -> None:
+        """Step `steps` times; a stretch in which nothing can move costs no more than one step."""
+        while steps > 0:
+            before = self.reference
+            self.step(dt)
+            steps -= 1
+            if self.velocity == 0.0 and self.reference == before and not self.rate:
+                steps -= self._rest(steps, dt)
+
     def step(self, dt: float) -> None:
         """Let `dt` (s, about 0.001) pass."""
         self.time += dt
         while self._queue and self._queue[0][0] <= self.time:
             self._obey(self._queue.popleft()[1])
+        if self.time >= self._bite:
+            self.bite()
         if self._setting.torque_on and self.powered and not self.shutdown:
             self._follow(dt)
-            error = self.reference - self.position
-            duty = self._stiffness * error
-            if abs(duty) > self._greatest:
+            duty = self._setting.stiffness * (self.reference - self.position)
+            if not -self._greatest <= duty <= self._greatest:
                 duty = copysign(self._greatest, duty)
             self._drive(dt, duty)
         else:
@@ -155,23 +154,25 @@ class Servo:
 
     def sense(self) -> Reading:
         """Position, speed, load and the rest, as the registers would show them."""
-        ticks = round(self.position / TICK) + CENTRE
+        scale = self.model.scale
+        ticks = scale.ticks(self.position)
         if self.glitch_rate and self._random.random() < self.glitch_rate:
-            ticks = self._random.randrange(4096)
+            ticks = self._random.randrange(scale.last + 1)
         return Reading(
-            ticks=min(max(ticks, 0), 4095),
-            speed=round(self.velocity / SPEED_STEP),
+            ticks=min(max(ticks, 0), scale.last),
+            speed=round(self.velocity / scale.speed),
             load=min(max(self.duty + self.load_offset, -1.0), 1.0),
             voltage=self.supply - CABLE * abs(self.current),
             temperature=self.temperature,
             current=self.current,
-            moving=abs(self._setting.goal - self.reference) > TICK / 2,
+            moving=abs(self._setting.goal - self.reference) > scale.tick / 2,
         )
 
     def errors(self) -> tuple[str, ...]:
         """Standing complaints, in the manual's words; also what the bits of a status packet say."""
         found = []
-        if not 6.0 <= self.supply <= 16.0:
+        lowest, highest = self.voltage_limits
+        if not lowest <= self.supply <= highest:
             found.append("Input Voltage Error")
         if self.shutdown == "overheat" or self.temperature > self.temperature_limit:
             found.append("Overheating Error")
@@ -189,39 +190,78 @@ class Servo:
         if self.temperature <= self.temperature_limit:
             self.shutdown = ""
 
+    def watch(self, patience: float) -> None:
+        """Stop if nothing is heard for `patience` (s; 0: never), and forget that it was so."""
+        self._patience = patience
+        self.tripped = False
+        self.heard()
+
+    def heard(self) -> None:
+        """Someone talks to it."""
+        self._bite = self.time + self._patience if self._patience and not self.tripped else inf
+
+    def bite(self) -> None:
+        """Stop where the profile is, at once: with neither Profile Velocity nor Profile Acceleration.
+
+        Source: https://emanual.robotis.com/docs/en/dxl/x/xm430-w210/#bus-watchdog; for MX(2.0) assumed.
+        """
+        self.tripped = True
+        self._bite = inf
+        self._queue.clear()
+        self.rate = 0.0
+        self._obey(replace(self._setting, goal=self.reference, speed=0.0, acceleration=0.0))
+
     def power(self, on: bool) -> None:
         """Cut or restore the supply; it comes back limp and with its registers at their defaults."""
         if on and not self.powered:
-            self.boots += 1
-            self._queue.clear()
-            self._setting = Setting(self.position)
-            self.shutdown = ""
+            self.reboot()
         self.powered = on
+
+    def reboot(self) -> None:
+        """Start anew: limp, and silent for `boot_time`."""
+        self.boots += 1
+        self._up = self.time + self.boot_time
+        self._queue.clear()
+        self._setting = Setting(self.position)
+        self.shutdown = ""
+        self._strain = 0.0
+        self.watch(0.0)
 
     def _obey(self, setting: Setting) -> None:
         self._setting = setting
-        self._stiffness = DUTY_PER_GAIN * setting.p_gain
         self._greatest = min(GREATEST_DUTY, setting.torque_limit)
+
+    def _rest(self, steps: int, dt: float) -> int:
+        """Let up to `steps` pass in which nothing moves, and return how many did."""
+        if self._strain or self.temperature > self.temperature_limit - 1.0:
+            return 0
+        due = min(self._bite, self._queue[0][0] if self._queue else inf)
+        idle = min(steps, max((due - self.time) / dt - AWAKE, 0))
+        passed = int(idle)
+        self.time += passed * dt
+        self._wear(passed * dt)
+        return passed
 
     def _follow(self, dt: float) -> None:
         """Move the reference towards the goal: v ≤ Moving Speed, v ≤ √(2a·distance), dv ≤ a·dt."""
         setting = self._setting
         left = setting.goal - self.reference
-        if left == 0.0 and self._rate == 0.0:
+        rate = self.rate
+        if left == 0.0 and rate == 0.0:
             return
         greatest = setting.speed or inf
         acceleration = setting.acceleration
         if acceleration:
             wanted = copysign(min(greatest, sqrt(2 * acceleration * abs(left))), left)
             change = acceleration * dt
-            self._rate += min(max(wanted - self._rate, -change), change)
+            rate += min(max(wanted - rate, -change), change)
         else:
-            self._rate = copysign(greatest, left)
-        arrived = abs(left) <= abs(self._rate) * dt and self._rate * left >= 0
-        if arrived:
-            self.reference, self._rate = setting.goal, 0.0
+            rate = copysign(greatest, left)
+        if abs(left) <= abs(rate) * dt and rate * left >= 0:
+            self.reference, self.rate = setting.goal, 0.0
         else:
-            self.reference += self._rate * dt
+            self.reference += rate * dt
+            self.rate = rate
 
     def _drive(self, dt: float, duty: float) -> None:
         """DC motor, back-EMF implicit: i = (duty·V − kt·ω)/R, τ = kt·i."""
@@ -233,25 +273,8 @@ class Servo:
     def _coast(self, dt: float) -> None:
         """No current: only gravity and friction; the reference stays with the joint."""
         self._turn(dt, 0.0, self.model.viscous)
-        self.duty = self.current = self._rate = 0.0
+        self.duty = self.current = self.rate = 0.0
         self.reference = self.position
-
-    def _turn(self, dt: float, torque: float, damping: float) -> None:
-        """Newton, friction implicit: (J + d·dt)·ω' + c·dt·sign ω' = J·ω + τ·dt; within c it sticks."""
-        link = self.link
-        if link.gravity:
-            torque += link.gravity * sin(link.rest - self.position)
-        momentum = self._inertia * self.velocity + dt * torque
-        grip = dt * self.model.coulomb
-        if self.stuck or abs(momentum) <= grip:
-            self.velocity = 0.0
-            return
-        momentum -= copysign(grip, momentum)
-        self.velocity = momentum / (self._inertia + dt * damping)
-        self.position += dt * self.velocity
-        if not link.low <= self.position <= link.high:
-            self.position = min(max(self.position, link.low), link.high)
-            self.velocity = 0.0
 
     def _wear(self, dt: float) -> None:
         """Heat by i²R, and the alarms of the Shutdown register's default (overheating, overload)."""

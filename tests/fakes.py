@@ -79,6 +79,10 @@ class FakeArm:
     def torque(self) -> tuple[bool, ...]:
         return tuple(self.on)
 
+    async def clear_errors(self, joints: Sequence[int]) -> tuple[str, ...]:
+        self._raise_if_broken("clear_errors")
+        return ()
+
     def _raise_if_broken(self, call: str) -> None:
         if self.broken == call:
             self.broken = ""
@@ -96,10 +100,10 @@ class Bench:
         self.desk = desk_of(self.arm.torque(), mind)
         self.desk.pause((0, 1), False)
         self.controller = Controller(
-            self.arm, self.desk, self.inbox, LADDER, VirtualClock(), 1 / PERIOD, self._publish
+            self.arm, self.desk, self.inbox, VirtualClock(), 1 / PERIOD, self._publish
         )
 
-    def _publish(self, frame: Frame, events: Sequence[Event]) -> None:
+    def _publish(self, frame: Frame, events: Sequence[Event], whole: bool) -> None:
         self.frames.append(frame)
         self.events += events
 

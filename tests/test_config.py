@@ -132,3 +132,16 @@ def test_what_was_read_cannot_be_changed() -> None:
     config: Config = parse(SIM, "sim.toml", registry)
     with pytest.raises(ValueError, match="frozen"):
         config.rate_hz = 60.0  # type: ignore[misc]
+
+
+def test_a_rate_too_slow_to_stop_for_dead_muscles_is_refused() -> None:
+    (line,) = _problems(_changed("rate_hz = 30", "rate_hz = 10"))
+    assert "emg.stall_s = 0.06 at rate_hz = 10" in line
+    assert "up to 160 ms; the bound is 100 ms" in line
+
+
+def test_a_source_can_only_be_replaced_where_there_is_one() -> None:
+    with pytest.raises(ConfigError, match=r"only be replaced in the table \[emg\]"):
+        read(Path("bento.toml"), "synthetic")
+    with pytest.raises(ConfigError, match="did you mean 'replay'"):
+        read(Path("sim.toml"), "Replay:x")

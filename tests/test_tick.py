@@ -188,7 +188,7 @@ async def test_settling_stops_a_moving_joint_before_it_lets_go(bench: Bench) -> 
     await bench.set_off()
     assert await bench.controller.settle(limp=True) == (False, False)
     assert (Stop(), Stop()) in bench.arm.sent
-    assert bench.arm.sent[-1] == (None, None)
+    assert bench.arm.sent[-1] == (Stop(), Stop())
     assert [abs(speed) < AT_REST for speed in bench.arm.let_go_at] == [True]
 
 
@@ -248,5 +248,5 @@ async def test_a_daemon_whose_bus_is_dead_ends_in_time_and_says_that_torque_may_
     tmp_path: Path, fault: str
 ) -> None:
     left, took = await farewell(quiet_config(), tmp_path / "s", 30, fault)
-    assert left.startswith("Torque may still be on, because no servo confirmed that it is off: shoulder_rot")
+    assert left.startswith("Torque may still be on, because nothing confirmed that it is off: shoulder_rot")
     assert took < 2.5

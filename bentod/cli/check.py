@@ -29,7 +29,7 @@ def explain(config: Config) -> list[str]:
     """The config in sentences."""
     safety = config.safety
     lines = [
-        f"{config.arm}: {len(config.joints)} joints on the driver '{config.driver.name}', "
+        f"{config.arm}: {len(config.joints)} joints {_explain_drivers(config)}, "
         f"{config.rate_hz:g} ticks a second.",
         f"It starts {safety.start}, ends {safety.exit}, and a fault makes it {safety.fault}.",
         f"A joint that does not answer is held after {safety.hold_after_s:g} s, "
@@ -42,6 +42,18 @@ def explain(config: Config) -> list[str]:
     ]
     lines += [f"Group {group.name}: {' → '.join(group.joints)}." for group in config.groups]
     return [*lines, *_explain_muscles(config), *_explain_mind(config)]
+
+
+def _explain_drivers(config: Config) -> str:
+    shares = config.shares()
+    if len(shares) == 1:
+        return f"on the driver '{shares[0].driver.name}'"
+    named = (
+        f"{', '.join(config.joints[index].name for index in share.joints)} on '{share.driver.name}' "
+        f"([{share.place}])"
+        for share in shares
+    )
+    return f"on {len(shares)} drivers ({'; '.join(named)})"
 
 
 def _explain_muscles(config: Config) -> list[str]:

@@ -37,9 +37,14 @@ def find(path: Path) -> Path:
 
 
 def parse_source(text: str) -> Chosen:
-    """An EMG source from the command line: "NAME", "replay:FILE" or "replay:FILE#ARRAY"."""
+    """An EMG source from the command line: "NAME", "replay:FILE" or "replay:FILE#ARRAY".
+
+    Raises:
+        ConfigError: there is no such source.
+    """
     name, _, rest = text.partition(":")
     file, _, array = rest.partition("#")
+    registry.emg_model(name)
     return Chosen.model_validate(
         {"name": name} | ({"file": file} if file else {}) | ({"array": array} if array else {})
     )

@@ -80,7 +80,7 @@ def assist(link: Link) -> None:
 @click.pass_obj
 def assist_set(link: Link, parameters: tuple[str, ...]) -> None:
     """Change parameters of collaborative control; what is left out stays."""
-    link.do("assist_set", **assigned(parameters))
+    link.do("assist_set", **assigned(parameters, texts=("mode",)))
 
 
 MUSCLES = (groups, group, toggle, activate, emg, emg_set, emg_pause, assist, assist_set)

@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -89,8 +89,10 @@ def _failure(error: BentodError) -> Failed:
     return Misused(str(error)) if error.code == BadRequest.code else Failed(str(error))
 
 
-def assigned(words: Iterable[str]) -> dict[str, Value]:
+def assigned(words: Iterable[str], texts: Collection[str] = ()) -> dict[str, Value]:
     """`key=value` words as named parameters; a value is JSON, or on, off, or else a text.
+
+    What is named in `texts` is a text whatever it looks like.
 
     Raises:
         Misused: a word has no `=`.
@@ -99,7 +101,7 @@ def assigned(words: Iterable[str]) -> dict[str, Value]:
     for key, sign, _ in pairs:
         if not sign:
             raise Misused(f"'{key}' is not of the form name=value.")
-    return {key: parsed(value) for key, _, value in pairs}
+    return {key: value if key in texts else parsed(value) for key, _, value in pairs}
 
 
 def parsed(text: str) -> Value:

@@ -12,7 +12,11 @@ _HELP = {
     "check": "Check a config file and explain what it says.",
     "ctl": "Ask something of the running daemon.",
     "watch": "Show the running daemon in the terminal.",
+    "doctor": "Look for Dynamixel servos behind a serial port and say what is wrong with them.",
+    "servo": "Give a Dynamixel servo its ID, baud rate or protocol.",
+    "calibrate": "Measure how long a joint takes to obey, and write it to the config.",
     "sim-bus": "Simulate the arm's servos behind a serial port of their own.",
+    "sim-can": "Simulate the arm's motor controllers on a CAN bus of their own.",
 }
 
 

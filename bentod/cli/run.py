@@ -2,10 +2,11 @@
 
 import asyncio
 import os
+import select
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import click
@@ -15,7 +16,7 @@ from bentod.cli.configs import read
 from bentod.clock import SystemClock
 from bentod.config import Config
 from bentod.daemon import Daemon, environment_supervisor, socket_path
-from bentod.errors import BentodError
+from bentod.errors import BentodError, ConfigError
 
 
 @click.command()
@@ -51,7 +52,7 @@ def run(
         for line in str(error).splitlines():
             click.echo(f"bentod: {line}", err=True)
         raise SystemExit(1) from error
-    if shown:
+    if shown and select.select([], [sys.stdout], [], 1.0)[1]:  # a terminal that nobody reads would block
         click.echo(f"{left} The log is in {file}")
 
 
@@ -70,11 +71,23 @@ def _viewer(socket: Path) -> Iterator[None]:
             yield
         finally:
             viewer.terminate()
+            with suppress(subprocess.TimeoutExpired):
+                viewer.wait(timeout=1.0)
+            viewer.kill()  # a terminal that nobody reads must not keep the daemon
 
 
 def _log_file() -> Path:
-    """Where the log goes while the terminal shows the view."""
+    """Where the log goes while the terminal shows the view.
+
+    Raises:
+        ConfigError: there can be no such file.
+    """
     state = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state")
     folder = state / "bentod"
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder / "bentod.log"
+    file = folder / "bentod.log"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        file.touch()
+    except OSError as error:
+        raise ConfigError(f"the log cannot be kept in {file}: {error}; try --no-view") from error
+    return file

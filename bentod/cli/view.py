@@ -1,6 +1,7 @@
 """The live view as lines of text: what the arm does, why, and what it expects. Pure; `watch` draws it."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -9,6 +10,7 @@ from bentod.frames import Value
 WIDTH = 100
 """Columns that the view needs."""
 
+_COLOUR = re.compile(r"(\x1b\[[0-9;]*m)")
 _BOLD, _DIM, _RED, _OFF = "\x1b[1m", "\x1b[2m", "\x1b[31;1m", "\x1b[0m"
 
 Table = Mapping[str, Value]
@@ -26,7 +28,7 @@ def lines(frame: Table, ranges: Mapping[str, Range], events: Sequence[str]) -> l
     """One frame as the lines of a screen; `events`: the latest sentences, oldest first."""
     joints = [_table(joint) for joint in _list(frame, "joints")]
     selected = {_text(_table(group), "active") for group in _list(frame, "groups")[:1]}
-    return [
+    screen = [
         *_head(frame),
         f"{_DIM}    joint               angle  {'':21}     velocity  mode      expected  moved by{_OFF}",
         *(_joint(joint, ranges, _text(joint, "name") in selected) for joint in joints),
@@ -35,8 +37,9 @@ def lines(frame: Table, ranges: Mapping[str, Range], events: Sequence[str]) -> l
         f"  assist    {_text(_table(frame['assist']), 'reason')}",
         *_goal(frame),
         "",
-        *(f"{_DIM}  {event[: WIDTH - 4]}{_OFF}" for event in events),
+        *(f"{_DIM}  {_printable(event)}{_OFF}" for event in events),
     ]
+    return [_cut(line) for line in screen]
 
 
 def _head(frame: Table) -> list[str]:
@@ -46,7 +49,7 @@ def _head(frame: Table) -> list[str]:
         f"  {_RED if fault else _BOLD}{mode:<8}{_OFF}"
         f"   tick {_number(frame, 'tick'):.0f}   {_number(frame, 'rate_hz'):g} Hz"
         f"   late {late:5.2f} ms   missed {_number(frame, 'missed'):.0f}",
-        f"  {_RED}{fault[: WIDTH - 4]}{_OFF}" if fault else "",
+        f"  {_RED}{fault}{_OFF}" if fault else "",
     ]
 
 
@@ -111,7 +114,22 @@ def _list(table: Table, key: str) -> list[Value]:
 
 
 def _text(table: Table, key: str) -> str:
-    return str(table.get(key, ""))
+    return _printable(str(table.get(key, "")))
+
+
+def _printable(text: str) -> str:
+    """`text` without what would steer the terminal: a client chooses its own name."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text)
+
+
+def _cut(line: str) -> str:
+    """`line` with no more than WIDTH visible columns; colours take none."""
+    kept, columns = [], 0
+    for part in _COLOUR.split(line):
+        shown = part if _COLOUR.fullmatch(part) else part[: WIDTH - columns]
+        columns += 0 if _COLOUR.fullmatch(part) else len(shown)
+        kept.append(shown)
+    return "".join(kept)
 
 
 def _number(table: Table, key: str) -> float:

@@ -5,7 +5,7 @@ import signal
 import time
 from collections import deque
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
 import click
@@ -31,20 +31,31 @@ _HELP = "  Ctrl-C ends.   From another terminal: bentod ctl pause | torque off |
 def watch(socket: Path | None) -> None:
     """Show the running daemon until Ctrl-C or its end."""
     with _screen():
-        asyncio.run(_watch(socket))
+        complaint = asyncio.run(_watch(socket))
+    if complaint:
+        click.echo(complaint, err=True)
+        raise SystemExit(3)
 
 
-async def _watch(socket: Path | None) -> None:
-    """Draw until the daemon or the user ends."""
-    task = asyncio.ensure_future(_draw(socket))
+async def _watch(socket: Path | None) -> str:
+    """Draw until the daemon or the user ends; returns why nothing could be drawn, if so."""
+    drawn: list[bool] = []
+    task = asyncio.ensure_future(_draw(socket, drawn))
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, task.cancel)
-    with suppress(asyncio.CancelledError, Disconnected):
+    complaint = ""
+    try:
         await task
+    except* asyncio.CancelledError:
+        pass
+    except* Disconnected as lost:
+        complaint = "" if drawn else str(lost.exceptions[0])
+    return complaint
 
 
-async def _draw(socket: Path | None) -> None:
+async def _draw(socket: Path | None, drawn: list[bool]) -> None:
+    """Draw frame after frame; `drawn` is not empty after the first."""
     await _await_daemon(socket)
     events: deque[str] = deque(maxlen=8)
     async with Client.connect(socket) as arm, asyncio.TaskGroup() as tasks:
@@ -52,6 +63,7 @@ async def _draw(socket: Path | None) -> None:
         listener = tasks.create_task(_listen(arm, events))
         try:
             async for frame in arm.subscribe_state(RATE_HZ):
+                drawn[:] = [True]
                 screen = [*lines(frame, ranges, list(events)), "", _HELP]
                 click.echo("\x1b[H" + "".join(f"{line}\x1b[K\r\n" for line in screen) + "\x1b[J", nl=False)
         finally:

@@ -30,7 +30,7 @@ def asked_of(joint: int, wishes: Mapping[str, Wishes]) -> dict[str, Command]:
 
 def attended(sources: Sequence[str], wishes: Mapping[str, Wishes], modes: Modes) -> frozenset[int]:
     """Joints that the given sources ask to move and that may."""
-    asked = {joint for source in sources for joint in wishes.get(source, {})}
+    asked = {joint for source in sources for joint, wish in wishes.get(source, {}).items() if wish != Stop()}
     return frozenset(joint for joint in asked if modes.of(joint) is Mode.ACTIVE)
 
 

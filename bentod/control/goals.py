@@ -34,10 +34,10 @@ class Goals:
         Raises:
             Refused: a fault, or a joint without torque.
         """
+        self._modes.may_release(specs)
+        self.cancel("another goal came")
         paused = frozenset(joint for joint in specs if self._modes.of(joint) is not Mode.ACTIVE)
         self._modes.pause(specs, False)
-        self.cancel("another goal came")
-        self._modes.pause(specs, False)  # the end of the other goal may have paused them again
         self._count += 1
         self._goal = homing.begin(self._count, specs, joints, speed, now, paused)
         self._tell(self._goal.frame)
@@ -59,6 +59,11 @@ class Goals:
         goal = self._goal
         if goal and goal.running and not goal.paused_before >= goal.targets.keys():
             self._change(goal, goal.cancelled(reason))
+
+    def borrows(self, joint: int) -> bool:
+        """Whether the joint is paused to all but the running goal."""
+        goal = self._goal
+        return goal is not None and goal.running and joint in goal.paused_before
 
     def wishes(self) -> Wishes:
         """What the running goal asks."""

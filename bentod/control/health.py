@@ -15,14 +15,18 @@ class Ladder:
 
     def too_old_to_move(self, state: State) -> frozenset[int]:
         """Joints whose reading no longer tells where they are."""
-        return frozenset(i for i, joint in enumerate(state.joints) if joint.age > self.hold)
+        return frozenset(i for i, joint in enumerate(state.joints) if not joint.age <= self.hold)
 
     def reason_for_fault(self, state: State, specs: Sequence[JointSpec]) -> str:
-        """A sentence, or nothing while every joint answers often enough."""
+        """A sentence, or nothing while every joint answers often enough and none has shut itself down."""
+        return self.silence(state, specs) or shutdown(state, specs)
+
+    def silence(self, state: State, specs: Sequence[JointSpec]) -> str:
+        """Which joints have not answered for too long, as a sentence; nothing if all have."""
         silent = [
             f"{spec.name} ({joint.age:.2f} s)"
             for spec, joint in zip(specs, state.joints, strict=True)
-            if joint.age > self.fault
+            if not joint.age <= self.fault
         ]
         if not silent:
             return ""
@@ -32,3 +36,13 @@ class Ladder:
         )
         cause = state.problem or "check the cable and the servo's power"
         return f"no answer for more than {self.fault:g} s from {who}: {cause}"
+
+
+def shutdown(state: State, specs: Sequence[JointSpec]) -> str:
+    """Which servos have switched themselves off, as a sentence; nothing if none has."""
+    down = [
+        f"{spec.name} ({', '.join(joint.errors)})"
+        for spec, joint in zip(specs, state.joints, strict=True)
+        if joint.shut_down
+    ]
+    return f"shut down by itself: {', '.join(down)}" if down else ""

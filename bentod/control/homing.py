@@ -40,7 +40,7 @@ class Homing:
             return replace(self, frame=replace(self.frame, status="done", progress=1.0))
         if now > self.deadline:
             return self.cancelled(f"not there in time, {max(left.values()):.3f} rad are left")
-        progress = max(0.0, 1 - max(left.values()) / max(whole.values()))
+        progress = max(0.0, 1 - max(left.values()) / max(*whole.values(), ARRIVED_RAD))
         return replace(self, frame=replace(self.frame, status="moving", progress=round(progress, 3)))
 
     def cancelled(self, reason: str) -> "Homing":

@@ -1,6 +1,6 @@
 """Wishes of clients, which die with their lease or with their client."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -52,12 +52,13 @@ class Leases(Generic[Key, Wish]):
         """Drop all of one client's leases: it said so, or it vanished."""
         self._leases = {k: lease for k, lease in self._leases.items() if lease.holder.session != session}
 
+    def drop(self, keys: Collection[Key]) -> None:
+        """Drop the leases on `keys`."""
+        self._leases = {key: lease for key, lease in self._leases.items() if key not in keys}
+
     def clear(self) -> None:
         """Drop all leases."""
         self._leases.clear()
 
     def __iter__(self) -> Iterator[tuple[Key, Lease[Wish]]]:
         return iter(self._leases.items())
-
-    def __contains__(self, key: Key) -> bool:
-        return key in self._leases

@@ -8,8 +8,11 @@ from bentod.frames import Command, JointSpec, JointState, Position, Stop, Veloci
 def limit(command: Command | None, spec: JointSpec, state: JointState) -> Command | None:
     """`command` cut to the joint's position and velocity limits (rad, rad/s).
 
-    A velocity that leads further out of the limits becomes a stop, and so does anything not finite.
+    A velocity that leads further out of the limits becomes a stop, and so does anything not finite, and
+    every command to a joint whose position is not known.
     """
+    if command is not None and not math.isfinite(state.position):
+        return Stop()
     match command:
         case Velocity(velocity=velocity):
             return _velocity(velocity, spec, state)

@@ -53,7 +53,7 @@ class Modes:
         """
         joints = tuple(joints)
         if not on:
-            self._may_release(joints)
+            self.may_release(joints)
         for joint in joints:
             if on and self._modes[joint] is Mode.ACTIVE:
                 self._modes[joint] = Mode.PAUSED
@@ -87,8 +87,11 @@ class Modes:
         if self._fault:
             return False
         self._fault = reason
-        if limp:
-            self._wanted = [False] * len(self._wanted)
+        # A torque that was asked for in this very tick must not come true in a fault.
+        self._wanted = [
+            mode is not Mode.LIMP and on and not limp
+            for mode, on in zip(self._modes, self._wanted, strict=True)
+        ]
         for joint, mode in enumerate(self._modes):
             if mode is not Mode.LIMP:
                 self._modes[joint] = Mode.HOLDING
@@ -98,7 +101,8 @@ class Modes:
         """Unlatch. Joints stay HOLDING or LIMP: releasing them is a request of its own."""
         self._fault = ""
 
-    def _may_release(self, joints: Iterable[int]) -> None:
+    def may_release(self, joints: Iterable[int]) -> None:
+        """Raise Refused while a fault is latched, or for a joint without torque."""
         if self._fault:
             raise Refused(f"a fault is latched ({self._fault}): clear_fault first")
         limp = [self._names[joint] for joint in joints if self._modes[joint] is Mode.LIMP]

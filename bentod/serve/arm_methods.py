@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from bentod.control.leases import Holder
 from bentod.errors import BadRequest, Refused
-from bentod.frames import Command, Frame, JointSpec, Position, Value, Velocity
+from bentod.frames import Command, Frame, JointSpec, Position, Stop, Value, Velocity
 from bentod.serve.params import Flag, Number, Text
 from bentod.serve.room import Joint, Joints, Lease, Room
 from bentod.serve.session import Session
@@ -109,8 +109,15 @@ class ArmMethods:
         return None
 
     async def clear_fault(self, session: Session) -> Value:
-        """Clear a latched fault whose cause is gone. Joints stay paused; releasing them is up to you."""
+        """Clear a latched fault whose cause is gone. Joints stay paused; releasing them is up to you.
+
+        Servos with errors are told to clear them first, as their model allows, and are limp afterwards; an
+        error says what they need besides, e.g. a power cycle.
+        """
         await self._room.inbox.ask(lambda desk: desk.clear_fault())
+        needs = (await self._room.inbox.ask(lambda desk: desk.needs)).result
+        if needs:
+            raise Refused(" ".join(needs))
         return None
 
     async def go_home(self, session: Session, joints: Joints = None) -> Value:
@@ -151,7 +158,7 @@ def _command(spec: JointSpec, velocity: float | None, position: float | None) ->
             "velocity",
         )
     if position is None:
-        return Velocity(velocity or 0.0)
+        return Velocity(velocity) if velocity else Stop()
     if not spec.minimum <= position <= spec.maximum:
         raise BadRequest(
             f"position = {position:g} rad is outside {spec.name}'s limits, "

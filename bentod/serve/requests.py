@@ -12,6 +12,13 @@ from bentod.serve.spec import Method, find
 log = logging.getLogger(__name__)
 
 
+URGENT = ("stop", "pause")
+"""Methods that a client may call although it has too many requests in flight."""
+
+RESERVE = 8
+"""So many more of them."""
+
+
 class Internal(BentodError):
     """The daemon has a bug; its log has the traceback."""
 
@@ -35,7 +42,7 @@ class Requests:
         """Start on `message`, or answer that there are too many at once."""
         if not isinstance(message, Request | Notification):
             raise BadFraming("The daemon asks nothing of its clients, so it takes no response.")
-        if self._in_flight < self._most:
+        if self._in_flight < self._most + RESERVE * (message.method in URGENT):
             self._in_flight += 1
             task = self._group.create_task(self._handle(message))
             self._tasks.add(task)

@@ -61,4 +61,4 @@ class Room:
 
     def _vanish(self, session: int) -> None:
         self._attached.discard(session)
-        self.inbox.post(lambda desk: desk.vanish(session))
+        self.inbox.post(lambda desk: desk.clients.vanish(session))

@@ -4,13 +4,16 @@ https://emanual.robotis.com/docs/en/dxl/protocol1/
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from enum import IntEnum
 
+from drivers.dynamixel.packets import BROADCAST, Status, check_id
+
 HEADER = b"\xff\xff"
-BROADCAST = 0xFE
 OVERHEAD = 6
 """Bytes of a packet without its parameters: header, id, length, instruction or error, checksum."""
+
+PING_SIZE = 0
+"""Bytes of data in the reply to a ping."""
 
 MOST_PARAMETERS = 0xFF - 2
 
@@ -27,15 +30,6 @@ class Instruction(IntEnum):
     BULK_READ = 0x92
 
 
-@dataclass(frozen=True, slots=True)
-class Status:
-    """What a servo replies."""
-
-    id: int
-    error: int  # bits as named in `tables.ERRORS`; data, not a failure of the reading
-    parameters: bytes
-
-
 def checksum(body: bytes | bytearray) -> int:
     """The inverted low byte of the sum of everything between the header and the checksum."""
     return ~sum(body) & 0xFF
@@ -47,8 +41,7 @@ def packet(id_: int, instruction: Instruction, parameters: bytes = b"") -> bytes
     Raises:
         ValueError: the id is not 0..254, or the packet would be longer than its length byte can say.
     """
-    if not 0 <= id_ <= BROADCAST:
-        raise ValueError(f"An id is 0 to {BROADCAST}, not {id_}.")
+    check_id(id_)
     if len(parameters) > MOST_PARAMETERS:
         raise ValueError(f"{len(parameters)} parameter bytes, a packet carries {MOST_PARAMETERS}.")
     body = bytes((id_, len(parameters) + 2, instruction)) + parameters
@@ -101,6 +94,14 @@ def bulk_read(ids: Sequence[int], address: int, size: int) -> bytes:
     """
     parts = b"".join(bytes((size, id_, address)) for id_ in ids)
     return packet(BROADCAST, Instruction.BULK_READ, b"\x00" + parts)
+
+
+def is_reply(status: Status, request: bytes) -> bool:
+    """Whether `status` is not `request` itself, which half-duplex adapters may return.
+
+    The echo of a ping cannot be told from its reply; the first reading after it can.
+    """
+    return not status.parameters or request[4:-1] != bytes((status.error,)) + status.parameters
 
 
 class Parser:

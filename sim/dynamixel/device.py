@@ -1,165 +1,182 @@
-"""One servo behind its control table: what a write does to the servo, and what the servo shows."""
+"""One servo behind its control table: what is the same whatever its firmware."""
 
-from sim.dynamixel import tables
-from sim.dynamixel.packets import Error
-from sim.dynamixel.tables import END_OF_EEPROM, TABLE_SIZE, Cell, Table
-from sim.servo import CENTRE, SPEED_STEP, TICK, Servo, Setting
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import ClassVar
 
-SIGN = 1024
-"""Bit 10 of speed and load: clockwise."""
+from sim.dynamixel.cells import Cell, Refusal, Table
+from sim.servo import Servo, Setting
 
-ACCELERATION_STEP = 8.583 * TICK * 4096 / 360
-"""rad/s² of one step of Goal Acceleration."""
-
-CURRENT_STEP = 0.0045
-"""A of one step of the current register."""
-
-ERRORS = {
-    "Input Voltage Error": Error.VOLTAGE,
-    "Overheating Error": Error.OVERHEATING,
-    "Overload Error": Error.OVERLOAD,
-}
+TICKS_PER_S = 1000
+"""Of the Realtime Tick register, which wraps at 32 768."""
 
 
-class Device:
-    """Control table of firmware 1 in front of a servo.
+class Device(ABC):
+    """A control table in front of a servo; what a firmware does with it is in the classes derived from this.
 
-    Assumed, since the manual is silent: a write that is refused is refused whole; EEPROM with torque on and
-    read-only registers answer with a range error; a goal write switches torque on (lerobot#3585).
+    Assumed, since the manuals are silent: a write that is refused is refused whole.
     """
 
-    def __init__(self, table: Table, servo: Servo, provisioned: dict[Cell, int]) -> None:
+    whole: ClassVar[bool] = False
+    """Whether a write to a part of a register is refused."""
+
+    def __init__(self, table: Table, servo: Servo, provisioned: Mapping[Cell, int]) -> None:
         self.table = table
         self.servo = servo
+        self.fast = False
+        """Whether it answers fast reads: two MX did not in dynamixel_hardware_interface#50."""
         self._memory = table.defaults()
         self._registered: tuple[int, bytes] | None = None
         self._told: Setting | None = None
         for cell, value in provisioned.items():
             self._set(cell, value)
         self._boot()
+        self._recall()
+
+    @property
+    @abstractmethod
+    def protocol(self) -> int:
+        """1 or 2: what it listens to."""
+
+    @property
+    def return_level(self) -> int:
+        """0: answers a ping, 1: and reads, 2: everything; not in every model's EEPROM."""
+        return self.get(self.table.common.return_level)
 
     def get(self, cell: Cell) -> int:
         """Value of a register."""
-        return int.from_bytes(self._memory[cell.address : cell.address + cell.size], "little")
+        return cell.value(self._memory)
 
-    def errors(self) -> Error:
-        """What the servo itself complains of."""
-        found = Error.NONE
-        for complaint in self.servo.errors():
-            found |= ERRORS[complaint]
-        return found
+    def provision(self, cell: Cell, value: int) -> None:
+        """Change a register behind everybody's back, as the maker's tool does."""
+        self._set(cell, value)
+        self._recall()
 
-    def read(self, address: int, size: int) -> tuple[Error, bytes]:
-        """`size` bytes from `address`, or a range error and nothing."""
-        if not size or address + size > TABLE_SIZE:
-            return Error.RANGE, b""
+    def complaints(self) -> tuple[str, ...]:
+        """What the servo itself complains of, in the manual's words."""
+        return self.servo.errors()
+
+    @abstractmethod
+    def alert(self) -> bool:
+        """Whether a status of protocol 2.0 is to point at the Hardware Error Status."""
+
+    def read(self, address: int, size: int) -> tuple[Refusal, bytes]:
+        """`size` bytes from `address`, or a refusal and nothing."""
+        if not size or address + size > self.table.size:
+            return Refusal.ACCESS, b""
         self._refresh()
-        return Error.NONE, bytes(self._memory[address : address + size])
+        return Refusal.NONE, bytes(self._memory[address : address + size])
 
-    def write(self, address: int, data: bytes) -> Error:
+    def write(self, address: int, data: bytes) -> Refusal:
         """Check everything, then change registers and tell the servo; a refused write changes nothing."""
-        self._refresh()
-        error, memory = self._judge(address, data)
-        if error:
-            return error
-        cells = self.table.touched(address, len(data))
-        if tables.GOAL in cells:
-            memory[tables.TORQUE_ENABLE.address] = 1
-        self._memory = memory
-        if tables.TORQUE_LIMIT in cells and self.get(tables.TORQUE_LIMIT):
-            self.servo.restore()
-        self._tell()
-        return Error.NONE
+        self._notice_boot()
+        self._follow_alarm()
+        refusal = self._judge(address, data)
+        if refusal is Refusal.NONE:
+            self._memory[address : address + len(data)] = data
+            if address < self.table.end_of_eeprom:
+                self._recall()
+            self._written(self.table.touched(address, len(data)))
+            self._tell()
+        return refusal
 
-    def register(self, address: int, data: bytes) -> Error:
+    def register(self, address: int, data: bytes) -> Refusal:
         """Keep a write until `act`; it is judged now and again then."""
         self._refresh()
-        error, _ = self._judge(address, data)
-        if not error:
+        refusal = self._judge(address, data)
+        if refusal is Refusal.NONE:
             self._registered = (address, data)
-            self._set(tables.REGISTERED, 1)
-        return error
+            self._set(self.table.common.registered, 1)
+        return refusal
 
-    def act(self) -> Error:
+    def act(self) -> Refusal:
         """Carry out the registered write."""
+        self._refresh()
         if self._registered is None:
-            return Error.INSTRUCTION
+            return Refusal.INSTRUCTION
         address, data = self._registered
         self._registered = None
-        self._set(tables.REGISTERED, 0)
+        self._set(self.table.common.registered, 0)
         return self.write(address, data)
 
-    def _judge(self, address: int, data: bytes) -> tuple[Error, bytearray]:
-        """Why a write is refused, and what the memory would be if it were not."""
-        if not data or address + len(data) > TABLE_SIZE:
-            return Error.RANGE, self._memory
+    def reset(self, keep: tuple[Cell, ...]) -> None:
+        """Everything as it left the factory but `keep`, and a reboot."""
+        kept = {cell: self.get(cell) for cell in (self.table.common.model, *keep)}
+        self._memory = self.table.defaults()
+        for cell, value in kept.items():
+            self._set(cell, value)
+        self._recall()
+        self.servo.reboot()
+
+    def _judge(self, address: int, data: bytes) -> Refusal:
+        """Why a write is refused."""
+        if not data or address + len(data) > self.table.size:
+            return Refusal.ACCESS
         memory = bytearray(self._memory)
         memory[address : address + len(data)] = data
-        locked = bool(self.get(tables.TORQUE_ENABLE))
+        locked = bool(self.get(self.table.common.torque))
         for cell in self.table.touched(address, len(data)):
-            value = int.from_bytes(memory[cell.address : cell.address + cell.size], "little")
-            if not cell.low <= value <= cell.high or (locked and cell.address < END_OF_EEPROM):
-                return Error.RANGE, memory
-            if cell is tables.GOAL and not self.get(tables.CW_LIMIT) <= value <= self.get(tables.CCW_LIMIT):
-                return Error.ANGLE_LIMIT, memory
-        return Error.NONE, memory
+            if not cell.writable or (locked and cell.address < self.table.end_of_eeprom):
+                return Refusal.ACCESS
+            if self.whole and (cell.address < address or cell.end > address + len(data)):
+                return Refusal.LENGTH
+            refusal = self._judge_value(cell, cell.value(memory))
+            if refusal is not Refusal.NONE:
+                return refusal
+        return Refusal.NONE
+
+    def _judge_value(self, cell: Cell, value: int) -> Refusal:
+        """Why `cell` is not to hold `value`."""
+        return Refusal.NONE if cell.low <= value <= cell.high else Refusal.RANGE
+
+    @abstractmethod
+    def _written(self, cells: tuple[Cell, ...]) -> None:
+        """What follows from a write to `cells` besides what they hold."""
+
+    @abstractmethod
+    def _setting(self) -> Setting:
+        """What the registers ask of the servo."""
 
     def _tell(self) -> None:
         """Hand the registers to the servo, if they say something new."""
-        limit = min(self.get(tables.TORQUE_LIMIT), self.get(tables.MAX_TORQUE))
-        setting = Setting(
-            goal=(self.get(tables.GOAL) - CENTRE) * TICK,
-            speed=self.get(tables.MOVING_SPEED) % SIGN * SPEED_STEP,
-            torque_on=bool(self.get(tables.TORQUE_ENABLE)),
-            acceleration=self.get(tables.GOAL_ACCELERATION) * ACCELERATION_STEP,
-            torque_limit=limit / 1023,
-            p_gain=self.get(tables.P_GAIN),
-        )
+        setting = self._setting()
         if setting != self._told:
             self._told = setting
             self.servo.tell(setting)
 
     def _boot(self) -> None:
         """Start with the defaults above the EEPROM, limp, the goal where the servo is."""
-        self._memory[END_OF_EEPROM:] = self.table.defaults()[END_OF_EEPROM:]
-        self._set(tables.TORQUE_LIMIT, self.get(tables.MAX_TORQUE))
-        self._set(tables.GOAL, self.servo.sense().ticks)
-        self.servo.temperature_limit = float(self.get(tables.TEMPERATURE_LIMIT))
+        start = self.table.end_of_eeprom
+        self._memory[start:] = self.table.defaults()[start:]
+        self._set(self.table.common.goal, self.servo.sense().ticks)
         self._registered = self._told = None
         self._boots = self.servo.boots
-        self._alarmed = False
+
+    def _recall(self) -> None:
+        """Keep at hand what every packet asks for; to be called when the EEPROM has changed."""
+        common = self.table.common
+        self.id = self.get(common.id)
+        self.baud = self.table.rates.get(self.get(common.baud), 0)
+        """bit/s."""
+        self.return_delay = self.table.turnaround + 2e-6 * self.get(common.return_delay)
+        """s from a request to the reply."""
 
     def _refresh(self) -> None:
         """Bring the present values up to date."""
-        servo = self.servo
-        if servo.boots != self._boots:
-            self._boot()
-        seen = servo.sense()
-        self._set(tables.POSITION, seen.ticks)
-        self._set(tables.SPEED, _signed(seen.speed))
-        self._set(tables.LOAD, _signed(round(seen.load * 1023)))
-        self._set(tables.VOLTAGE, round(seen.voltage * 10))
-        self._set(tables.TEMPERATURE, round(seen.temperature))
-        self._set(tables.MOVING, int(seen.moving))
-        self._set(tables.REALTIME_TICK, int(servo.time * 1000) % 32768)
-        if tables.CURRENT in self.table.cells:
-            self._set(tables.CURRENT, 2048 + round(seen.current / CURRENT_STEP))
-        self._follow_alarm()
+        self._notice_boot()
+        self._show()
 
+    def _notice_boot(self) -> None:
+        if self.servo.boots != self._boots:
+            self._boot()
+
+    @abstractmethod
     def _follow_alarm(self) -> None:
-        """Torque Limit reads 0 while an alarm stands, and is back once it was lifted at the servo itself."""
-        alarmed = bool(self.servo.shutdown)
-        if alarmed:
-            self._set(tables.TORQUE_LIMIT, 0)
-        elif self._alarmed and not self.get(tables.TORQUE_LIMIT):
-            self._set(tables.TORQUE_LIMIT, self.get(tables.MAX_TORQUE))
-        self._alarmed = alarmed
+        """Bring those registers up to date that an alarm changes."""
+
+    @abstractmethod
+    def _show(self) -> None:
+        """Have the registers show what the sensors say."""
 
     def _set(self, cell: Cell, value: int) -> None:
-        self._memory[cell.address : cell.address + cell.size] = value.to_bytes(cell.size, "little")
-
-
-def _signed(value: int) -> int:
-    """Sign and magnitude: clockwise values have bit 10 set."""
-    magnitude = min(abs(value), SIGN - 1)
-    return magnitude + SIGN if value < 0 else magnitude
+        cell.put(self._memory, value)

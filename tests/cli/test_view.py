@@ -37,6 +37,7 @@ JOINT = JointFrame(
     age=0.0,
     freshness=Freshness.FRESH,
     errors=(),
+    stop=None,
     asked={},
     holder="emg",
     sent=None,

@@ -1,7 +1,12 @@
-"""What every arm must do, whatever drives it; a new driver adds one parameter to `OPENERS`."""
+"""What every arm must do, whatever drives it; a new driver adds one parameter to `OPENERS`.
+
+A driver of something else than servos runs the suite under an `opener` fixture of its own, as
+`test_can_joints` does. `test_real_joints` has what can be asked of an arm that cannot be broken.
+"""
 
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from dataclasses import replace
 from itertools import pairwise
 from math import degrees, radians
 from typing import Protocol, TypeAlias
@@ -16,6 +21,8 @@ from sim.clock import VirtualClock
 from sim.joints import open_joints, open_plain_joints
 
 PERIOD = 1 / 30
+DEAD_MAN = 0.35
+"""s: what drivers allow by default without an order, 0.3, and a servo's dead time."""
 JOINTS = bento_joints()
 SHOULDER, ELBOW, WRIST_ROTATION, WRIST_FLEXION, GRIPPER = range(5)
 START = {"shoulder_rotation": -0.4, "elbow_flexion": 0.1, "wrist_rotation": 0.3, "gripper": 0.5}
@@ -29,9 +36,31 @@ class BreakableJoints(Joints, FaultInjector, Protocol):
 
 Opener: TypeAlias = Callable[[ArmConfig, Clock], AbstractAsyncContextManager[BreakableJoints]]
 
+
+def with_servos(opener: Opener, *models: str) -> Opener:
+    """The same arm made of other servos."""
+
+    @asynccontextmanager
+    async def open_with(config: ArmConfig, clock: Clock) -> AsyncIterator[BreakableJoints]:
+        joints = tuple(
+            replace(spec, hardware={**spec.hardware, "model": model})
+            for spec, model in zip(config.joints, models, strict=True)
+        )
+        async with opener(replace(config, joints=joints), clock) as opened:
+            yield opened
+
+    return open_with
+
+
+FIRMWARE_2 = ("MX-64(2.0)", "MX-106(2.0)", "MX-28(2.0)", "MX-28(2.0)", "MX-28(2.0)")
+MIXED = ("MX-64(2.0)", "MX-106", "AX-12A", "MX-28(2.0)", "MX-28")
+
 OPENERS = [
     pytest.param(open_plain_joints, id="servo models"),
+    pytest.param(with_servos(open_plain_joints, *MIXED), id="servo models of all kinds"),
     pytest.param(open_joints, id="driver over a simulated bus"),
+    pytest.param(with_servos(open_joints, *FIRMWARE_2), id="driver over protocol 2.0"),
+    pytest.param(with_servos(open_joints, *MIXED), id="driver over both protocols on one line"),
 ]
 
 
@@ -77,6 +106,12 @@ class Rig:
         return [state.joints[joint].position for state in self.states]
 
 
+def need(rig: Rig, fault: str) -> None:
+    """Leave out a test of something that this hardware cannot have."""
+    if fault not in rig.joints.faults():
+        pytest.skip(f"has no fault '{fault}'")
+
+
 @pytest.fixture(params=OPENERS)
 def opener(request: pytest.FixtureRequest) -> Opener:
     found: Opener = request.param
@@ -111,7 +146,7 @@ def speed_over(track: Sequence[float]) -> float:
 async def test_a_reading_is_fresh_young_and_in_radians(rig: Rig) -> None:
     state = await rig.tick()
     assert all(joint.freshness is Freshness.FRESH and 0 <= joint.age < 0.02 for joint in state.joints)
-    assert [state.joints[i].position for i in FREE] == pytest.approx([-0.4, 0.3, 0.5], abs=0.002)
+    assert [state.joints[i].position for i in FREE] == pytest.approx([-0.4, 0.3, 0.5], abs=0.003)
     assert state.problem == ""
 
 
@@ -169,7 +204,7 @@ async def test_the_smallest_velocity_creeps(rig: Rig) -> None:
     await rig.torque_on()
     rig.want({GRIPPER: Velocity(1e-6)})
     await rig.run(1.0)
-    assert 0 <= rig.track(GRIPPER)[-1] - 0.5 < radians(1.0)
+    assert 0 <= rig.track(GRIPPER)[-1] - 0.5 < radians(1.5)
 
 
 @pytest.mark.parametrize("velocity", [0.5, -0.5])
@@ -254,6 +289,18 @@ async def test_a_silent_joint_goes_stale_then_lost_and_comes_back(rig: Rig) -> N
     assert all(joint.freshness is Freshness.FRESH for joint in rig.states[-1].joints)
 
 
+@pytest.mark.parametrize("joint", [SHOULDER, GRIPPER])
+async def test_a_joint_that_was_silent_for_a_while_obeys_again_or_says_why_not(rig: Rig, joint: int) -> None:
+    await rig.torque_on()
+    rig.joints.inject("silent", joint, True)
+    await rig.run(0.7)
+    rig.joints.inject("silent", joint, False)
+    before = (await rig.run(1.5)).joints[joint]
+    rig.want({joint: Velocity(0.3)})
+    after = (await rig.run(1.5)).joints[joint]
+    assert after.position > before.position + 0.2 or after.errors or not rig.joints.torque()[joint]
+
+
 async def test_what_is_not_fresh_is_older_than_a_round(rig: Rig) -> None:
     rig.joints.inject("silent", ELBOW, True)
     await rig.run(1.0)
@@ -327,6 +374,93 @@ async def test_power_comes_back_with_torque_off(rig: Rig) -> None:
     rig.want(dict.fromkeys(range(5)))
     await rig.run(4.0)
     assert rig.joints.torque() == (False,) * 5
+
+
+@pytest.mark.parametrize("joint", [SHOULDER, WRIST_ROTATION, GRIPPER])
+async def test_a_servo_that_starts_anew_in_mid_motion_is_limp_and_not_armed_again(
+    rig: Rig, joint: int
+) -> None:
+    need(rig, "reboot")
+    await rig.torque_on()
+    rig.want({joint: Velocity(-0.2)})
+    await rig.run(0.5)
+    rig.joints.inject("reboot", joint, True)
+    await rig.run(2.0)
+    assert any(state.joints[joint].freshness is not Freshness.FRESH for state in rig.states)
+    assert rig.joints.torque() == tuple(i != joint for i in range(5))
+    await rig.run(1.0)
+    assert max(rig.track(joint)) == min(rig.track(joint))
+    assert all(state.joints[joint].load == 0.0 for state in rig.states)
+
+
+async def test_nobody_talking_any_more_lets_a_motion_end_soon(rig: Rig) -> None:
+    await rig.torque_on()
+    rig.want({SHOULDER: Velocity(0.3), WRIST_ROTATION: Velocity(-0.3), GRIPPER: Velocity(0.3)})
+    await rig.run(0.8)
+    await rig.clock.sleep_until(rig.clock.now() + DEAD_MAN)
+    stopped = positions(await rig.joints.read())
+    await rig.clock.sleep_until(rig.clock.now() + 3.0)
+    assert positions(await rig.joints.read()) == pytest.approx(stopped, abs=radians(0.3))
+
+
+async def test_an_overload_can_be_cleared_and_the_joint_moves_again(rig: Rig) -> None:
+    await rig.torque_on()
+    rig.joints.inject("overload", GRIPPER, True)
+    assert (await rig.run(0.3)).joints[GRIPPER].errors
+    rig.want(dict.fromkeys(range(5)))
+    where = rig.track(GRIPPER)[-1]
+    assert await rig.joints.clear_errors([GRIPPER]) == ()
+    state = await rig.run(1.5)
+    assert state.joints[GRIPPER].errors == ()
+    assert state.joints[GRIPPER].position == pytest.approx(where, abs=radians(1))
+    await rig.torque_on()
+    rig.want({GRIPPER: Velocity(-0.3)})
+    await rig.run(1.0)
+    assert rig.track(GRIPPER)[-1] < where - 0.2
+
+
+async def test_a_servo_that_is_still_hot_is_not_cleared_and_says_so(rig: Rig) -> None:
+    rig.joints.inject("overheat", GRIPPER, True)
+    await rig.run(0.3)
+    (sentence,) = await rig.joints.clear_errors([GRIPPER])
+    assert "gripper" in sentence
+    assert sentence.endswith(".")
+    assert (await rig.run(1.5)).joints[GRIPPER].errors
+
+
+async def test_clearing_nothing_but_good_joints_changes_nothing(rig: Rig) -> None:
+    await rig.torque_on()
+    rig.want({SHOULDER: Stop()})
+    assert await rig.joints.clear_errors([SHOULDER, GRIPPER]) == ()
+    await rig.run(1.5)
+    assert all(not joint.errors for joint in rig.states[-1].joints)
+    assert rig.joints.torque()[ELBOW]
+
+
+async def test_errors_of_a_silent_joint_are_not_cleared_which_is_said(rig: Rig) -> None:
+    rig.joints.inject("silent", GRIPPER, True)
+    await rig.run(0.5)
+    (sentence,) = await rig.joints.clear_errors([GRIPPER])
+    assert sentence.endswith(".")
+
+
+async def test_errors_behind_a_pulled_cable_are_not_cleared_which_is_said(rig: Rig) -> None:
+    rig.joints.inject("cable", None, True)
+    await rig.run(0.2)
+    assert await rig.joints.clear_errors([SHOULDER, GRIPPER])
+
+
+async def test_a_cable_that_is_plugged_in_again_finds_the_same_arm(rig: Rig) -> None:
+    await rig.torque_on(SHOULDER, WRIST_ROTATION, GRIPPER)
+    before = positions(await rig.run(0.5))
+    rig.joints.inject("cable", None, True)
+    await rig.run(1.0)
+    rig.joints.inject("cable", None, False)
+    state = await rig.run(10.0)
+    assert state.problem == ""
+    assert all(joint.freshness is Freshness.FRESH for joint in state.joints)
+    assert [state.joints[i].position for i in FREE] == pytest.approx([before[i] for i in FREE], abs=0.02)
+    assert rig.joints.torque() == (True, False, True, False, True)
 
 
 async def test_unknown_faults_are_refused(rig: Rig) -> None:

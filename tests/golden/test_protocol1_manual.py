@@ -3,7 +3,7 @@
 import pytest
 
 from drivers.dynamixel import protocol1
-from drivers.dynamixel.protocol1 import Status
+from drivers.dynamixel.packets import Status
 
 INSTRUCTIONS = {
     "ping id 1": (protocol1.ping(1), "FF FF 01 02 01 FB"),

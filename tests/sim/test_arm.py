@@ -6,8 +6,9 @@ import pytest
 from bentod.contracts import FaultInjector
 from bentod.errors import BadRequest
 from sim.arm import Arm
-from sim.servo import Link, Servo, Setting
+from sim.servo import Servo, Setting
 from sim.servo_models import MX_28, MX_64, MX_106
+from sim.shaft import Link
 
 
 def an_arm() -> Arm:
@@ -60,7 +61,7 @@ def test_every_fault_comes_and_goes(fault: str) -> None:
     arm.inject(fault, None, True)
     arm.advance(0.2)
     arm.inject(fault, None, False)
-    arm.advance(0.4)
+    arm.advance(0.6)
     assert arm.plugged
     assert all(servo.answers and not servo.errors() for servo in arm.servos)
 

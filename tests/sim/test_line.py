@@ -5,16 +5,17 @@ import pytest
 from bentod.errors import BusError
 from drivers.stream import ByteStream
 from sim.arm import Arm
-from sim.dynamixel import tables
+from sim.dynamixel import tables1
 from sim.dynamixel.bus import Bus
-from sim.dynamixel.device import Device
+from sim.dynamixel.models import build_device
 from sim.line import Line
-from sim.servo import Link, Servo
+from sim.servo import Servo
 from sim.servo_models import MX_28
+from sim.shaft import Link
 
 PING = bytes.fromhex("FF FF 01 02 01 FB")
 PONG = bytes.fromhex("FF FF 01 02 00 FC")
-PROVISIONED = {tables.BAUD: 1, tables.RETURN_DELAY: 0}
+PROVISIONED = {tables1.BAUD: 1, tables1.RETURN_DELAY: 0}
 
 
 class Host:
@@ -22,7 +23,7 @@ class Host:
 
     def __init__(self, seed: str = "") -> None:
         self.arm = Arm([Servo(MX_28, Link())])
-        bus = Bus([Device(tables.MX_28, self.arm.servos[0], PROVISIONED)])
+        bus = Bus([build_device(self.arm.servos[0], PROVISIONED)])
         self.line = Line(bus, self.arm, seed)
         self.heard: list[tuple[float, bytes]] = []
         self.lost: list[str] = []

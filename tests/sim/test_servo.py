@@ -4,8 +4,9 @@ from math import pi, radians
 
 import pytest
 
-from sim.servo import CENTRE, SPEED_STEP, TICK, Link, Servo, Setting
-from sim.servo_models import MX_28, MX_64, MX_106, SERVO_MODELS, ServoModel
+from sim.servo import Servo, Setting
+from sim.servo_models import AX_12A, MX_28, MX_64, MX_106, MX_SCALE, RPM, SERVO_MODELS, ServoModel
+from sim.shaft import Link
 
 LEVEL = Link(rest=0.0)
 FOREARM = Link(gravity=0.67, rest=-pi / 2, inertia=0.013)
@@ -128,17 +129,31 @@ def test_a_torque_limit_of_nothing_lets_the_arm_down() -> None:
 
 
 def test_sensors_show_ticks_speed_steps_and_duty() -> None:
-    servo = holding(MX_28, goal=100.4 * TICK)
-    servo.position = 100.4 * TICK
-    servo.velocity = -10.3 * SPEED_STEP
+    servo = holding(MX_28, goal=100.4 * MX_SCALE.tick)
+    servo.position = 100.4 * MX_SCALE.tick
+    servo.velocity = -10.3 * MX_SCALE.speed
     seen = servo.sense()
-    assert (seen.ticks, seen.speed) == (CENTRE + 100, -10)
+    assert (seen.ticks, seen.speed) == (MX_SCALE.centre + 100, -10)
     assert seen.load == servo.duty
 
 
-@pytest.mark.parametrize(("position", "ticks"), [(-4.0, 0), (4.0, 4095)])
-def test_the_position_sensor_stops_at_its_ends(position: float, ticks: int) -> None:
-    assert Servo(MX_28, LEVEL, position).sense().ticks == ticks
+@pytest.mark.parametrize(
+    ("model", "position", "ticks"),
+    [(MX_28, -4.0, 0), (MX_28, 4.0, 4095), (AX_12A, -3.0, 0), (AX_12A, 3.0, 1023)],
+)
+def test_the_position_sensor_stops_at_its_ends(model: ServoModel, position: float, ticks: int) -> None:
+    assert Servo(model, LEVEL, position).sense().ticks == ticks
+
+
+@pytest.mark.parametrize(("name", "rpm"), [("AX-12A", 0.111), ("MX-64", 0.114), ("MX-64(2.0)", 0.229)])
+def test_speeds_are_counted_as_the_models_manual_says(name: str, rpm: float) -> None:
+    servo = Servo(SERVO_MODELS[name], LEVEL)
+    servo.velocity = 10 * rpm * RPM
+    assert servo.sense().speed == 10
+
+
+def test_a_degree_is_three_and_a_half_counts_of_an_ax() -> None:
+    assert Servo(AX_12A, LEVEL, radians(29.4)).sense().ticks == 512 + 100
 
 
 def test_work_heats_a_servo_within_minutes() -> None:
@@ -181,6 +196,64 @@ def test_a_stuck_servo_pulls_and_does_not_move() -> None:
     assert servo.current > 1.0
 
 
+def test_a_blocked_servo_pulls_and_can_only_go_back() -> None:
+    servo = holding(MX_28)
+    servo.block(True)
+    where = servo.position
+    servo.tell(Setting(1.0, torque_on=True))
+    run(servo, 0.5)
+    assert servo.position == where
+    assert servo.duty > 0.5
+    servo.tell(Setting(-0.5, torque_on=True))
+    run(servo, 1.0)
+    assert servo.position == pytest.approx(-0.5, abs=radians(1))
+    servo.block(False)
+    servo.tell(Setting(0.5, torque_on=True))
+    run(servo, 1.0)
+    assert servo.position == pytest.approx(0.5, abs=radians(1))
+
+
+def test_a_reboot_makes_it_limp_and_deaf_for_a_while() -> None:
+    servo = holding(MX_106, FOREARM)
+    servo.trip("overload")
+    servo.reboot()
+    run(servo, 0.29)
+    early = servo.answers
+    run(servo, 0.02)
+    assert (early, servo.answers) == (False, True)
+    assert servo.position < -0.03
+    assert (servo.boots, servo.shutdown) == (1, "")
+
+
+def test_a_watchdog_that_hears_nothing_stops_the_motion_at_once() -> None:
+    servo = holding(MX_64)
+    servo.tell(Setting(2.0, speed=0.5, acceleration=1.0, torque_on=True))
+    servo.watch(0.5)
+    run(servo, 0.4)
+    servo.heard()
+    run(servo, 0.4)
+    early = servo.tripped
+    run(servo, 0.11)
+    assert (early, servo.tripped) == (False, True)
+    stopped = servo.reference
+    run(servo, 1.0)
+    assert servo.reference == stopped
+    assert servo.position == pytest.approx(stopped, abs=radians(1))
+
+
+def test_a_servo_at_rest_lives_through_a_stretch_as_it_would_step_by_step() -> None:
+    slow, fast = (Servo(MX_106, Link(gravity=0.67, rest=-pi / 2), seed="same") for _ in range(2))
+    for goal in (0.4, 0.4, -0.2):
+        setting = Setting(goal, speed=0.5, torque_on=True)
+        slow.tell(setting)
+        fast.tell(setting)
+        run(slow, 3.0)
+        fast.run(3000, 0.001)
+        assert fast.position == slow.position
+        assert fast.time == pytest.approx(slow.time)
+        assert fast.temperature == pytest.approx(slow.temperature, abs=0.01)
+
+
 def test_power_comes_back_limp() -> None:
     servo = holding(MX_106, FOREARM)
     servo.power(False)
@@ -197,7 +270,7 @@ def test_glitches_are_rare_wild_and_repeatable() -> None:
         servo.glitch_rate = 0.1
         return [servo.sense().ticks for _ in range(200)]
 
-    wild = [ticks for ticks in seen("a") if ticks != CENTRE]
+    wild = [ticks for ticks in seen("a") if ticks != MX_SCALE.centre]
     assert 5 <= len(wild) <= 40
     assert seen("a") == seen("a") != seen("b")
 

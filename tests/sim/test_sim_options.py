@@ -39,6 +39,9 @@ def test_a_simulated_arm_needs_no_options() -> None:
         ("gravity_nm", {"elbow_flexion": 99.0}, "gravity_nm.elbow_flexion"),
         ("gravity_nm", {"tail": 0.1}, "no joint 'tail'"),
         ("start_rad", {"tail": 0.1}, "no joint 'tail'"),
+        ("limits_rad", {"tail": [0.1, 0.2]}, "no joint 'tail'"),
+        ("limits_rad", {"gripper": [0.1]}, "limits_rad.gripper"),
+        ("usb_latency_s", 1.0, "usb_latency_s"),
         ("temperature", float("nan"), "temperature"),
     ],
 )

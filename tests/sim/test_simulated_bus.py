@@ -7,20 +7,24 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.dynamixel import tables
-from sim.dynamixel.bus import TURNAROUND, Bus, servo_baud
+from sim.dynamixel import tables1 as tables
+from sim.dynamixel.bus import Bus
+from sim.dynamixel.cells import Cell, Table
 from sim.dynamixel.device import Device
-from sim.dynamixel.packets import Parser
-from sim.dynamixel.tables import TABLES, Cell, Table
-from sim.servo import Link, Servo
+from sim.dynamixel.models import TABLES, build_device
+from sim.dynamixel.packets1 import Parser
+from sim.servo import Servo
 from sim.servo_models import SERVO_MODELS
+from sim.shaft import Link
+
+TURNAROUND = 50e-6
 
 ROM = {tables.BAUD: 1, tables.RETURN_DELAY: 0}
 BYTE = 10e-6
 
 
-def device(servo: int = 1, model: str = "MX-28", **link: float) -> Device:
-    return Device(TABLES[model], Servo(SERVO_MODELS[model], Link(**link)), {**ROM, tables.ID: servo})
+def device(servo: int = 1, model: str = "MX-28", rom: dict[Cell, int] | None = None) -> Device:
+    return build_device(Servo(SERVO_MODELS[model], Link()), {**ROM, tables.ID: servo, **(rom or {})})
 
 
 def a_bus(*devices: Device) -> Bus:
@@ -140,9 +144,7 @@ def test_mistakes_are_named_by_their_bit(request_: bytes, bit: int) -> None:
 
 
 def test_a_goal_outside_the_angle_limits_is_refused() -> None:
-    bus = a_bus(
-        Device(TABLES["MX-28"], Servo(SERVO_MODELS["MX-28"], Link()), {**ROM, tables.CCW_LIMIT: 3000})
-    )
+    bus = a_bus(device(1, rom={tables.CCW_LIMIT: 3000}))
     assert error(bus, packet(1, 3, 30, *word(3001))) == 2
     assert bus.devices[0].get(tables.GOAL) == 2048
     assert bus.devices[0].get(tables.TORQUE_ENABLE) == 0
@@ -205,12 +207,12 @@ def test_without_timing_replies_come_at_once() -> None:
     [(1, 1_000_000, 1), (1, 57_600, 0), (34, 57_600, 1), (34, 1_000_000, 0), (252, 3_000_000, 1)],
 )
 def test_a_servo_hears_only_its_own_baud_rate(register: int, host: int, heard: int) -> None:
-    unit = Device(TABLES["MX-28"], Servo(SERVO_MODELS["MX-28"], Link()), {**ROM, tables.BAUD: register})
+    unit = device(1, rom={tables.BAUD: register})
     assert len(replies(Bus([unit], baud=host), packet(1, 1))) == heard
 
 
 def test_the_default_baud_rate_is_the_manuals() -> None:
-    assert servo_baud(34) == 57_142
+    assert tables.RATES[34] == 57_142
 
 
 def test_two_servos_with_one_id_garble_each_other() -> None:
@@ -242,10 +244,54 @@ def test_a_power_cut_resets_what_is_not_eeprom() -> None:
     bus.devices[0].servo.power(False)
     assert replies(bus, packet(1, 1)) == []
     bus.devices[0].servo.power(True)
+    assert replies(bus, packet(1, 1)) == []
+    advance(bus, 0.31)
     (reply,) = replies(bus, packet(1, 2, 5, 1))
     assert reply[5] == 10
     (reply,) = replies(bus, packet(1, 2, 24, 1))
     assert reply[5] == 0
+
+
+def test_a_factory_reset_is_confirmed_and_then_the_servo_is_as_new() -> None:
+    bus = a_bus(device(7))
+    assert error(bus, packet(7, 6)) == 0
+    advance(bus, 0.31)
+    bus.baud = 57_142
+    (reply,) = replies(bus, packet(1, 2, 5, 1))
+    assert reply[5] == 250
+
+
+def test_an_ax_has_1024_counts_over_300_degrees() -> None:
+    bus = a_bus(device(1, "AX-12A"))
+    bus.devices[0].servo.position = math.radians(-150)
+    (reply,) = replies(bus, packet(1, 2, 36, 2))
+    assert reply[5:7] == bytes(word(0))
+    assert error(bus, packet(1, 3, 30, *word(1024))) == 8
+    assert error(bus, packet(1, 3, 30, *word(512))) == 0
+    advance(bus, 5.0)
+    assert bus.devices[0].servo.position == pytest.approx(0.0, abs=math.radians(1))
+
+
+def test_an_ax_follows_a_speed_and_is_armed_by_it() -> None:
+    bus = a_bus(device(1, "AX-12A"))
+    replies(bus, packet(1, 3, 32, *word(100)))
+    assert bus.devices[0].get(tables.TORQUE_ENABLE) == 1
+    replies(bus, packet(1, 3, 30, *word(900)))
+    advance(bus, 1.0)
+    before = bus.devices[0].servo.position
+    advance(bus, 0.5)
+    assert bus.devices[0].servo.position - before == pytest.approx(0.5 * math.radians(66.6), rel=0.05)
+
+
+def test_an_ax_takes_no_part_in_a_bulk_read() -> None:
+    bus = a_bus(device(1), device(2, "AX-12A"), device(3))
+    request = packet(254, 0x92, 0, *(10, 1, 34), *(10, 2, 34), *(10, 3, 34))
+    assert [reply[2] for reply in replies(bus, request)] == [1]
+    assert len(replies(bus, packet(2, 2, 34, 10))) == 1
+
+
+def test_an_ax_has_no_register_beyond_its_punch() -> None:
+    assert error(a_bus(device(1, "AX-12A")), packet(1, 2, 50, 2)) == 8
 
 
 def test_a_request_in_pieces_is_one_request() -> None:
@@ -302,8 +348,8 @@ def test_where_the_bytes_are_cut_makes_no_difference(data: bytes, cuts: list[int
 def test_registers_do_not_overlap_and_hold_their_values(table: Table) -> None:
     taken = [address for cell in table.cells for address in range(cell.address, cell.address + cell.size)]
     assert len(taken) == len(set(taken))
-    assert max(taken) < tables.TABLE_SIZE
-    assert all(0 <= max(c.initial, c.high) < 256**c.size for c in table.cells)
+    assert max(taken) < table.size
+    assert all(max(c.initial, c.high) < 256**c.size // (2 if c.signed else 1) for c in table.cells)
     assert all(c.low <= c.initial <= c.high for c in table.cells if c.writable)
 
 

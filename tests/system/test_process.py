@@ -114,7 +114,7 @@ def test_a_config_that_does_not_exist_is_told_with_those_that_do() -> None:
     done = CliRunner().invoke(run, ["--no-view", "--config", "bentoo.toml"])
     assert (done.exit_code, done.stderr) == (
         1,
-        "bentod: there is no config file bentoo.toml (shipped: bento.toml, myo.toml, sim.toml)\n",
+        "bentod: there is no config file bentoo.toml (shipped: bento.toml, myo.toml, sim.toml, wrist.toml)\n",
     )
 
 
@@ -168,13 +168,12 @@ def test_a_port_that_vanishes_is_a_fault_within_a_second_and_the_daemon_lives_on
         faulted = eventually(lambda: in_fault(process.state()))
         assert number(faulted, "time") - lost < 1.0
         assert "no answer for more than 0.5 s from " in str(faulted["fault"])
-        assert f"Serial port {bus.link}: the line hung up; was the adapter unplugged?" in str(
-            faulted["fault"]
-        )
+        assert f"Serial port {bus.link}: " in str(faulted["fault"])
+        assert "Reconnecting" in str(faulted["fault"])
         later = number(faulted, "tick") + 10
         eventually(lambda: tick(process) > later)
         assert process.ends(signal.SIGTERM, seconds=4) == 0
-        assert "Torque may still be on, because no servo confirmed that it is off" in process.log()
+        assert "Torque may still be on, because nothing confirmed that it is off" in process.log()
 
 
 def in_fault(frame: Table) -> Table | None:

@@ -1,12 +1,12 @@
-"""`sim-bus` as a process: the servo maker's own SDK, and our driver, must find an arm behind the port."""
+"""`sim-bus` as a process: the servo maker's own SDK, and our driver, must find an arm behind the port.
+
+Protocol 1.0; `test_sim_bus2` has protocol 2.0.
+"""
 
 import asyncio
-import selectors
 import signal
-import subprocess
-import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -18,55 +18,12 @@ from bentod.frames import Freshness, Velocity
 from drivers.dynamixel.joints import open_joints
 from sim.bento import bento_joints
 from sim.clock import VirtualClock
+from tests.system.bus_processes import Process, ends, eventually, refused, running
 
 pytestmark = pytest.mark.real_time
 
 MODELS = {1: 310, 2: 320, 3: 29, 4: 29, 5: 29}
 HANDLER = PacketHandler(1.0)
-
-
-class Process:
-    """A running bus."""
-
-    def __init__(self, child: subprocess.Popen[str]) -> None:
-        assert child.stdin
-        assert child.stdout
-        self.child = child
-        self._stdin = child.stdin
-        self._stdout = child.stdout
-        self.port = self.line()
-
-    def tell(self, command: str) -> None:
-        """Type a command."""
-        self._stdin.write(command + "\n")
-        self._stdin.flush()
-
-    def line(self) -> str:
-        """The next line it prints."""
-        with selectors.DefaultSelector() as selector:
-            selector.register(self._stdout, selectors.EVENT_READ)
-            assert selector.select(20), "the bus printed nothing"
-        return self._stdout.readline().strip()
-
-    def end_input(self) -> None:
-        self._stdin.close()
-
-
-@contextmanager
-def running(*options: str) -> Iterator[Process]:
-    child = subprocess.Popen(
-        [sys.executable, "-m", "sim.bus_process", *options],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        bufsize=1,
-    )
-    with child:
-        try:
-            yield Process(child)
-        finally:
-            child.kill()
 
 
 class Sdk:
@@ -125,27 +82,6 @@ def client(bus: Process) -> Iterator[Sdk]:
         yield found
         for servo in MODELS:
             found.write(servo, 24, 1, 0)
-
-
-def eventually(happens: Callable[[], bool], at_most: float = 10.0) -> bool:
-    """Whether it happens before `at_most` (s) have passed."""
-    deadline = time.monotonic() + at_most
-    while not (done := happens()) and time.monotonic() < deadline:
-        time.sleep(0.01)
-    return done
-
-
-def refused(*options: str) -> str:
-    """What a bus says that does not start."""
-    command = [sys.executable, "-m", "sim.bus_process", *options]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=30, stdin=subprocess.DEVNULL)
-    assert done.returncode == 1
-    assert "Traceback" not in done.stderr
-    return done.stderr
-
-
-def ends(process: Process) -> int:
-    return process.child.wait(timeout=20)
 
 
 def test_the_sdk_finds_every_servo(client: Sdk) -> None:
@@ -277,6 +213,36 @@ def test_it_outlives_its_input_unless_asked() -> None:
         assert ends(leaving) == 0
         with sdk(staying.port) as found:
             assert found.ping(1) == 310
+
+
+def test_the_word_help_lists_commands_and_faults() -> None:
+    with running() as process:
+        process.tell("help")
+        lines = process.lines(5)
+        assert lines[0].startswith("pull")
+        assert {"silent", "reboot", "wrong_model", "id_clash"} <= set(lines[4].split(": ")[1].split(", "))
+
+
+def test_an_adapter_with_a_slow_latency_timer_delays_every_reply(tmp_path: Path) -> None:
+    config = tmp_path / "arm.toml"
+    config.write_text(CONFIG.replace("seed = 3", "usb_latency_s = 0.016"))
+    with running("--config", str(config)) as process, sdk(process.port) as found:
+        times = []
+        for _ in range(5):
+            began = time.monotonic()
+            assert found.read(17, 36, 2) is not None
+            times.append(time.monotonic() - began)
+        assert min(times) > 0.014
+
+
+def test_a_servo_is_blocked_or_reset_or_another_one_on_command(bus: Process, client: Sdk) -> None:
+    bus.tell("wrong_model 4")
+    assert eventually(lambda: client.ping(4) == 12)
+    bus.tell("wrong_model 4 off")
+    assert eventually(lambda: client.ping(4) == 29)
+    client.write(4, 25, 1, 1)
+    bus.tell("reboot 4")
+    assert eventually(lambda: client.read(4, 25, 1) == 0)
 
 
 def test_a_command_that_is_not_understood_is_answered_with_a_sentence() -> None:

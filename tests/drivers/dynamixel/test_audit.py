@@ -5,6 +5,7 @@ import pytest
 
 from bentod.errors import BusError, ConfigError
 from bentod.frames import JointSpec
+from drivers.dynamixel import protocol2
 from drivers.dynamixel.joints import open_joints, open_over
 from sim.clock import VirtualClock
 from tests.drivers.dynamixel.arm import CONFIG, ELBOW, WRIST, Found, elbow, expect_audit, opened, read, wrist
@@ -19,6 +20,12 @@ async def refusal(wire: Wire, clock: VirtualClock, found: Found) -> str:
         async with opened(wire, clock, found, config=ONE):
             pass
     return str(caught.value)
+
+
+def expect_nobody(wire: Wire, id_: int) -> None:
+    """A servo that answers in neither protocol, asked twice in each."""
+    wire.expect(framed(id_, 2, 1), times=2)
+    wire.expect(protocol2.read(id_, 0, 2), times=2)
 
 
 async def test_a_good_arm_is_opened_and_nothing_is_written_to_it(wire: Wire, clock: VirtualClock) -> None:
@@ -40,10 +47,10 @@ async def test_a_servo_that_misses_one_question_is_asked_again(wire: Wire, clock
 
 
 async def test_every_absent_servo_is_named(wire: Wire, clock: VirtualClock) -> None:
-    wire.expect(framed(2, 2, 1), times=2)
-    wire.expect(framed(3, 2, 1), times=2)
+    expect_nobody(wire, 2)
+    expect_nobody(wire, 3)
     with pytest.raises(BusError) as caught:
-        async with open_over(wire, CONFIG, clock):
+        async with open_over(lambda: wire, CONFIG, clock):
             pass
     assert "Servo 2 (elbow_flexion) does not answer a ping" in str(caught.value)
     assert "Servo 3 (wrist_rotation) does not answer a ping" in str(caught.value)
@@ -87,7 +94,7 @@ async def test_a_servo_that_only_answers_pings_is_refused(wire: Wire, clock: Vir
     wire.expect(framed(3, 2, 1), status(3))
     wire.expect(read(3, 0, 2), times=2)
     with pytest.raises(BusError, match="check its cable, and that its Status Return Level is not 0"):
-        async with open_over(wire, ONE, clock):
+        async with open_over(lambda: wire, ONE, clock):
             pass
 
 
@@ -121,7 +128,7 @@ async def test_a_servo_that_waits_before_replying_is_told_of_and_waited_for(
 async def test_a_line_that_goes_while_opening_is_what_the_error_says(wire: Wire, clock: VirtualClock) -> None:
     wire.gone = "The adapter was unplugged."
     with pytest.raises(BusError, match=r"^The adapter was unplugged\.$"):
-        async with open_over(wire, CONFIG, clock):
+        async with open_over(lambda: wire, CONFIG, clock):
             pass
 
 
@@ -130,7 +137,7 @@ async def test_a_line_that_goes_while_opening_is_what_the_error_says(wire: Wire,
     [
         ((ELBOW, replace(WRIST, hardware={"id": 2, "model": "MX-28"})), "have the same servo id 2"),
         ((replace(WRIST, maximum=3.2),), "wrist_rotation is to move -89.6 to 183.3 degrees"),
-        ((replace(WRIST, max_velocity=0.001),), "slowest a servo moves is 0.0119 rad/s"),
+        ((replace(WRIST, max_velocity=0.001),), "slowest an MX-28 moves is 0.0119 rad/s"),
         ((replace(WRIST, hardware={"id": 3}),), "model is missing"),
     ],
 )
@@ -138,18 +145,16 @@ async def test_joints_that_cannot_be_are_refused_before_anything_is_sent(
     joints: tuple[JointSpec, ...], complaint: str, wire: Wire, clock: VirtualClock
 ) -> None:
     with pytest.raises(ConfigError, match=complaint):
-        async with open_over(wire, replace(CONFIG, joints=joints), clock):
+        async with open_over(lambda: wire, replace(CONFIG, joints=joints), clock):
             pass
 
 
-async def test_closing_sends_nothing_and_leaves_the_line_to_its_owner(
-    wire: Wire, clock: VirtualClock
-) -> None:
+async def test_closing_sends_nothing_and_gives_the_line_back(wire: Wire, clock: VirtualClock) -> None:
     expect_audit(wire, replace(wrist(), torque=1))
-    async with open_over(wire, ONE, clock):
+    async with open_over(lambda: wire, ONE, clock):
         pass
     assert wire.finished()
-    assert not wire.closed
+    assert wire.closed
 
 
 async def test_a_port_that_is_not_there_is_a_bus_error(clock: VirtualClock) -> None:

@@ -6,9 +6,10 @@ from dataclasses import replace
 import pytest
 
 from bentod.frames import Freshness, Position, Stop, Velocity
-from drivers.dynamixel.tables import ALARM_SHUTDOWN, SPEED_STEP
+from drivers.dynamixel.firmware1 import SPEED_STEP
+from drivers.dynamixel.tables import ALARM_SHUTDOWN
 from sim.clock import VirtualClock
-from tests.drivers.dynamixel.arm import BULK, BULK_3_2, elbow, opened, read, window, wrist
+from tests.drivers.dynamixel.arm import BULK, elbow, longer, opened, read, window, wrist
 from tests.drivers.dynamixel.wire import Wire, status
 
 HOLDING = (replace(elbow(), torque=1), replace(wrist(), torque=1))
@@ -20,6 +21,7 @@ WRIST_STAYS = "FF FF FE 09 83 1E 04 03 00 08 05 00 43"
 
 async def test_one_bulk_read_is_all_that_a_round_needs(wire: Wire, clock: VirtualClock) -> None:
     async with opened(wire, clock) as joints:
+        await clock.sleep_until(clock.now() + 0.1)
         wire.expect(BULK, window(2, position=2304, speed=1024 + 40, load=200), window(3))
         began = clock.now()
         state = await joints.read()
@@ -37,18 +39,20 @@ async def test_one_bulk_read_is_all_that_a_round_needs(wire: Wire, clock: Virtua
 async def test_what_a_servo_complains_of_is_in_its_state(wire: Wire, clock: VirtualClock) -> None:
     async with opened(wire, clock) as joints:
         wire.expect(BULK, window(2, limit=0, error=0x20), window(3, error=0x01))
+        wire.expect(read(2, 24, 1), status(2, 0, error=0x20))
         state = await joints.read()
     assert state.joints[0].errors == ("Overload Error", ALARM_SHUTDOWN)
     assert state.joints[1].errors == ("Input Voltage Error",)
+    assert [joint.shut_down for joint in state.joints] == [True, False]
     assert state.joints[0].freshness is Freshness.FRESH
 
 
 async def test_a_silent_servo_keeps_its_value_and_silences_nobody(wire: Wire, clock: VirtualClock) -> None:
     async with opened(wire, clock) as joints:
-        wire.expect(BULK, window(2, position=2100), window(3))
+        wire.expect(BULK, window(2, position=2060), window(3))
         before = await joints.read()
         wire.expect(BULK)  # the chain breaks at its first link
-        wire.expect(read(3, 34, 10), window(3, position=2200))
+        wire.expect(read(3, 34, 11), longer(window(3, position=2070), 0))
         state = await joints.read()
     assert wire.finished()
     assert state.joints[0].position == before.joints[0].position
@@ -62,15 +66,16 @@ async def test_a_servo_that_is_back_is_asked_for_its_torque(
 ) -> None:
     async with opened(wire, clock, *HOLDING) as joints:
         wire.expect(BULK)
-        wire.expect(read(3, 34, 10), window(3))
+        wire.expect(read(3, 34, 11), longer(window(3), 0))
         await joints.read()
         await clock.sleep_until(clock.now() + 0.02)
-        wire.expect(BULK_3_2, window(3), window(2))
-        wire.expect(read(2, 24, 1), status(2, 0))
+        wire.expect(read(3, 34, 11), longer(window(3), 0))
+        wire.expect(read(2, 34, 11), longer(window(2), 0))
+        wire.expect(read(2, 24, 1), status(2, 0), times=2)
         with caplog.at_level(logging.WARNING):
             await joints.read()
         assert joints.torque() == (False, True)
-        assert "Servo 2 (elbow_flexion) was silent and came back with its torque off" in caplog.text
+        assert "Servo 2 (elbow_flexion) was silent or in alarm; its torque is now off" in caplog.text
         wire.expect(WRIST_STAYS)
         await joints.write([Velocity(0.3), Stop()])
     assert wire.finished()
@@ -81,10 +86,11 @@ async def test_a_servo_that_is_back_gets_no_goal_before_its_torque_is_known(
 ) -> None:
     async with opened(wire, clock, *HOLDING) as joints:
         wire.expect(BULK)
-        wire.expect(read(3, 34, 10), window(3))
+        wire.expect(read(3, 34, 11), longer(window(3), 0))
         await joints.read()
         await clock.sleep_until(clock.now() + 0.02)
-        wire.expect(BULK_3_2, window(3), window(2))
+        wire.expect(read(3, 34, 11), longer(window(3), 0))
+        wire.expect(read(2, 34, 11), longer(window(2), 0))
         wire.expect(read(2, 24, 1))
         await joints.read()
         wire.expect(WRIST_STAYS)
@@ -104,8 +110,9 @@ async def test_a_dead_bus_makes_all_stale_then_lost_within_half_a_tick_a_round(
             assert state.time - began < 0.5 / 30
             lost = state.joints[0].age > 0.5
             assert state.joints[0].freshness is (Freshness.LOST if lost else Freshness.STALE)
+            assert bool(state.problem) is lost
         assert state.joints[0].freshness is Freshness.LOST
-        assert state.problem == ""
+        assert state.problem.endswith("check its power, its cable, its id and the baud rate. Reconnecting.")
 
 
 async def test_a_port_that_is_gone_is_told_and_nothing_raises(wire: Wire, clock: VirtualClock) -> None:
@@ -113,7 +120,7 @@ async def test_a_port_that_is_gone_is_told_and_nothing_raises(wire: Wire, clock:
         wire.expect(BULK)
         asyncio.get_running_loop().call_later(0.001, wire.lose, "The adapter was unplugged.")
         state = await joints.read()
-        assert state.problem == "The adapter was unplugged."
+        assert state.problem == "The adapter was unplugged. Reconnecting."
         await joints.write([Stop(), Stop()])
         assert (await joints.read()).joints[0].freshness is Freshness.STALE
     assert wire.finished()
@@ -155,13 +162,14 @@ async def test_a_stop_counts_the_age_of_the_reading_up_to_the_write(wire: Wire, 
     async with opened(wire, clock, *HOLDING) as joints:
         wire.expect(BOTH_MOVE)
         await joints.write([Velocity(20 * SPEED_STEP), Velocity(-5 * SPEED_STEP)])
+        await clock.sleep_until(clock.now() + 0.1)
         wire.expect(BULK, window(2, position=2100, speed=80), window(3))
         state = await joints.read()
         await clock.sleep_until(state.time + 0.01)
-        # 80 raw for 11 + 2 + 17 ms: 80 * 7.78 * 0.030 = 19 ticks ahead of 2100, at the commanded raw 20.
-        wire.expect("FF FF FE 09 83 1E 04 02 47 08 14 00 EE")
+        # The servo obeys raw 20 for another 11 + 2 + 17 ms: 20 * 7.78 * 0.030 = 5 ticks ahead of 2100.
+        wire.expect("FF FF FE 09 83 1E 04 02 39 08 14 00 FC")
         await joints.write([Stop(), None])
-        wire.expect("FF FF FE 09 83 1E 04 02 47 08 14 00 EE")
+        wire.expect("FF FF FE 09 83 1E 04 02 39 08 14 00 FC")
         await joints.write([Stop(), None])
     assert wire.finished()
 

@@ -4,7 +4,7 @@ import pytest
 
 from bentod.errors import ConfigError
 from bentod.frames import JointSpec, Value
-from drivers.dynamixel.options import Options, parse_hardware, parse_options, tuning
+from drivers.dynamixel.options import Options, parse_hardware, parse_options, tuning, with_dead_man
 
 
 def spec(**hardware: Value) -> JointSpec:
@@ -45,8 +45,35 @@ def test_all_mistakes_are_told_at_once_with_the_joint() -> None:
 
 
 def test_only_the_models_that_are_known_are_accepted() -> None:
-    with pytest.raises(ConfigError, match="model is 'AX-12A'"):
-        parse_hardware(spec(id=1, model="AX-12A"))
+    with pytest.raises(ConfigError, match="model is 'AX-12'"):
+        parse_hardware(spec(id=1, model="AX-12"))
+
+
+def test_a_gain_that_is_not_given_is_the_models_own() -> None:
+    gains = {model: parse_hardware(spec(id=1, model=model)).p_gain for model in ("MX-64", "MX-64(2.0)")}
+    assert gains == {"MX-64": 32, "MX-64(2.0)": 850}
+
+
+@pytest.mark.parametrize(
+    ("hardware", "complaint"),
+    [
+        ({"model": "MX-28", "p_gain": 300}, "p_gain is 300; of an MX-28 it is 1 to 254"),
+        ({"model": "AX-12A", "p_gain": 32}, "p_gain is 32; of an AX-12A it is 38, which cannot be changed"),
+        ({"model": "AX-12A", "goal_acceleration_rad_s2": 5.0}, "of an AX-12A it is 0, which cannot"),
+        ({"model": "MX-28", "goal_acceleration_rad_s2": 50.0}, "of an MX-28 it is 0 to 38.05"),
+    ],
+)
+def test_what_a_model_cannot_do_is_refused_with_its_bound(hardware: dict[str, Value], complaint: str) -> None:
+    with pytest.raises(ConfigError, match=complaint):
+        parse_hardware(spec(id=1, **hardware))
+
+
+def test_the_dead_mans_time_fits_the_rate_of_the_ticks() -> None:
+    options = parse_options({"port": "x"})
+    assert with_dead_man(options, 1 / 30).dead_man_s == pytest.approx(0.3)
+    assert (with_dead_man(options, 0.1).dead_man_s or 0) > 0.3
+    with pytest.raises(ConfigError, match=r"dead_man_s is 0\.1, which must be at least"):
+        with_dead_man(parse_options({"port": "x", "dead_man_s": 0.1}), 1 / 30)
 
 
 def test_a_joints_tuning_is_its_servos_and_the_buses() -> None:

@@ -1,42 +1,16 @@
-from collections.abc import Sequence
-
 import pytest
 from dynamixel_sdk import GroupSyncWrite, Protocol1PacketHandler
 from hypothesis import given
 from hypothesis import strategies as st
 
 from drivers.dynamixel import protocol1
-from drivers.dynamixel.protocol1 import Parser, Status
+from drivers.dynamixel.packets import BROADCAST, Status
+from drivers.dynamixel.protocol1 import Parser
+from tests.drivers.dynamixel.sdk import SdkPort
 from tests.drivers.dynamixel.wire import status
 
 IDS = st.integers(0, 0xFD)
 TEMPERATURE = status(1, 0x20)
-
-
-class SdkPort:
-    """What the official SDK needs of a port."""
-
-    def __init__(self, incoming: bytes = b"") -> None:
-        self.is_using = False
-        self.sent = b""
-        self.incoming = list(incoming)
-
-    def clearPort(self) -> None:  # noqa: N802
-        pass
-
-    def writePort(self, packet: Sequence[int]) -> int:  # noqa: N802
-        self.sent = bytes(packet)
-        return len(packet)
-
-    def readPort(self, length: int) -> list[int]:  # noqa: N802
-        taken, self.incoming = self.incoming[:length], self.incoming[length:]
-        return taken
-
-    def setPacketTimeout(self, length: int) -> None:  # noqa: N802
-        pass
-
-    def isPacketTimeout(self) -> bool:  # noqa: N802
-        return True
 
 
 @given(id_=IDS, address=st.integers(0, 0xFF), size=st.integers(0, 0xFF))
@@ -59,7 +33,7 @@ def test_writes_are_what_the_official_sdk_sends(id_: int, address: int, data: by
 def test_ping_and_action_are_what_the_official_sdk_sends(id_: int) -> None:
     port = SdkPort()
     Protocol1PacketHandler().ping(port, id_)
-    assert id_ == protocol1.BROADCAST or protocol1.ping(id_) == port.sent
+    assert id_ == BROADCAST or protocol1.ping(id_) == port.sent
     Protocol1PacketHandler().action(port, id_)
     assert protocol1.action(id_) == port.sent
 

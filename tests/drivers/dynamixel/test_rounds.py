@@ -12,7 +12,7 @@ def play(roll: Roll, now: float, dead: set[int]) -> tuple[list[list[int]], set[i
     """One round on a bus where `dead` do not reply: what was asked, and who was heard."""
     asked, heard = [], set()
     roll.begin(now)
-    while chain := roll.chain():
+    while chain := roll.chain() or roll.straggler():
         silent_from = next((i for i, id_ in enumerate(chain) if id_ in dead), len(chain))
         roll.note(chain, chain[:silent_from], now)
         asked.append(chain)
@@ -31,7 +31,7 @@ def test_who_stands_behind_a_silent_servo_is_asked_again_in_the_same_round() -> 
 def test_a_silent_servo_is_asked_last_from_then_on() -> None:
     roll = Roll([1, 2, 3], 0.0)
     play(roll, TICK, {1})
-    assert play(roll, 2 * TICK, {1}) == ([[2, 3, 1]], {2, 3})
+    assert play(roll, 2 * TICK, {1}) == ([[2, 3], [1]], {2, 3})
 
 
 def test_a_servo_that_is_back_takes_its_old_place() -> None:

@@ -47,7 +47,7 @@ class Servos:
 def servos(wire: Wire) -> Iterator[Servos]:
     for found in (replace(elbow(), torque=1), replace(wrist(), torque=1)):
         expect_audit(wire, found)
-    wire.expect(BULK, window(2, 2100), window(3, 2200))
+    wire.expect(BULK, window(2, 2050), window(3, 2052))
     servos = Servos(wire)
     yield servos
     servos.close()
@@ -56,7 +56,7 @@ def servos(wire: Wire) -> Iterator[Servos]:
 async def test_an_arm_is_opened_read_and_written_over_a_serial_port(servos: Servos) -> None:
     servos.serve()
     # A wide margin: the machine that runs this test may be busy.
-    config = replace(CONFIG, options={"port": servos.port, "reply_margin_s": 0.1})
+    config = replace(CONFIG, options={"port": servos.port, "reply_margin_s": 0.1, "dead_man_s": 0})
     async with asyncio.timeout(10), open_joints(config, SystemClock()) as joints:
         assert joints.torque() == (True, True)
         state = await joints.read()
@@ -64,4 +64,4 @@ async def test_an_arm_is_opened_read_and_written_over_a_serial_port(servos: Serv
         assert all(0 <= joint.age < 1 for joint in state.joints)
         await joints.write([Stop(), Stop()])
         await servos.surprised.wait()
-    assert servos.unknown == [bytes.fromhex("FF FF FE 0E 83 1E 04 02 34 08 05 00 03 98 08 05 00 63")]
+    assert servos.unknown == [bytes.fromhex("FF FF FE 0E 83 1E 04 02 02 08 05 00 03 04 08 05 00 29")]

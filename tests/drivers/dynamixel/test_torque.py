@@ -28,7 +28,7 @@ async def test_a_joint_is_pinned_where_it_is_before_it_is_switched_on(
     wire: Wire, clock: VirtualClock
 ) -> None:
     async with opened(wire, clock) as joints:
-        expect_torque_on(wire, 3, position=2100)
+        expect_torque_on(wire, 3, position=2060)
         await joints.set_torque([False, True])
         assert joints.torque() == (False, True)
     assert wire.finished()
@@ -36,11 +36,11 @@ async def test_a_joint_is_pinned_where_it_is_before_it_is_switched_on(
 
 async def test_a_stop_after_switching_on_keeps_the_pin(wire: Wire, clock: VirtualClock) -> None:
     async with opened(wire, clock, wrist(), config=ONE) as joints:
-        expect_torque_on(wire, 3, position=2100)
+        expect_torque_on(wire, 3, position=2060)
         await joints.set_torque([True])
-        wire.expect(read(3, 34, 10), window(3, position=2090, load=150))
+        wire.expect(read(3, 34, 10), window(3, position=2056, load=150))
         await joints.read()
-        wire.expect("FF FF FE 09 83 1E 04 03 34 08 05 00 0F")
+        wire.expect("FF FF FE 09 83 1E 04 03 0C 08 05 00 37")
         await joints.write([Stop()])
     assert wire.finished()
 
@@ -81,15 +81,15 @@ async def test_a_joint_that_is_not_read_anew_is_not_switched_on(wire: Wire, cloc
 
 
 async def test_a_joint_far_outside_its_limits_is_not_switched_on(wire: Wire, clock: VirtualClock) -> None:
-    async with opened(wire, clock, wrist(), config=ONE) as joints:
+    async with opened(wire, clock, replace(wrist(), position=3200), config=ONE) as joints:
         wire.expect(read(3, 34, 10), window(3, position=3200))
-        with pytest.raises(BusError, match=r"stands at 101\.2 degrees, 11\.2 degrees outside its limits"):
+        with pytest.raises(BusError, match=r"at 101\.2 degrees, 11\.2 degrees outside its limit of 90\.1"):
             await joints.set_torque([True])
     assert wire.finished()
 
 
 async def test_a_joint_just_outside_its_limits_is_pinned_at_them(wire: Wire, clock: VirtualClock) -> None:
-    async with opened(wire, clock, wrist(), config=ONE) as joints:
+    async with opened(wire, clock, replace(wrist(), position=3080), config=ONE) as joints:
         wire.expect(read(3, 34, 10), window(3, position=3080))
         wire.expect(write(3, 28, 32), status(3))
         wire.expect(write(3, 73, 0), status(3))
@@ -147,7 +147,7 @@ async def test_a_torque_that_was_not_confirmed_is_asked_for_in_the_next_round(
         with pytest.raises(BusError):
             await joints.set_torque([False, True])
         wire.expect(BULK, window(2), window(3))
-        wire.expect(read(2, 24, 1), status(2, 0))
+        wire.expect(read(2, 24, 1), status(2, 0), times=2)
         await joints.read()
         assert joints.torque() == (False, True)
     assert wire.finished()

@@ -3,10 +3,10 @@
 Source: https://emanual.robotis.com/docs/en/dxl/protocol1/. Shares nothing with the driver's codec.
 """
 
-from dataclasses import dataclass
-from enum import IntEnum, IntFlag
+from enum import IntEnum
 
-BROADCAST = 254
+from sim.dynamixel.wires import Request
+
 LONGEST = 250
 """Greatest length field that a servo follows; anything above is taken for noise."""
 
@@ -19,32 +19,9 @@ class Instruction(IntEnum):
     WRITE = 0x03
     REG_WRITE = 0x04
     ACTION = 0x05
+    FACTORY_RESET = 0x06
     SYNC_WRITE = 0x83
     BULK_READ = 0x92
-
-
-class Error(IntFlag):
-    """Error byte of a status."""
-
-    NONE = 0
-    VOLTAGE = 1
-    ANGLE_LIMIT = 2
-    OVERHEATING = 4
-    RANGE = 8
-    CHECKSUM = 16
-    OVERLOAD = 32
-    INSTRUCTION = 64
-
-
-@dataclass(frozen=True, slots=True)
-class Request:
-    """A packet from the host."""
-
-    servo: int
-    instruction: int
-    parameters: bytes
-    sound: bool  # whether its checksum was right
-    end: int  # bytes from the start of the newest data to the end of this packet
 
 
 def checksum(body: bytes) -> int:
@@ -52,14 +29,17 @@ def checksum(body: bytes) -> int:
     return 255 - sum(body) % 256
 
 
-def status(servo: int, error: Error, parameters: bytes = b"") -> bytes:
+def status(servo: int, error: int, parameters: bytes = b"") -> bytes:
     """A packet from a servo to the host."""
     body = bytes((servo, len(parameters) + 2, error)) + parameters
     return b"\xff\xff" + body + bytes((checksum(body),))
 
 
 class Parser:
-    """Finds requests in whatever arrives; never raises, and holds no more than one packet."""
+    """Finds requests in whatever arrives; never raises, and holds no more than one packet.
+
+    A packet of protocol 2.0 begins like one for id 253 with the impossible length 0, and is skipped.
+    """
 
     def __init__(self) -> None:
         self._pending = b""

@@ -1,0 +1,1 @@
+"""Joints driven by motor controllers on a CAN bus."""

@@ -1,0 +1,1 @@
+"""`bentod servo`: what a servo is given once, through the servo maker's own dynamixel-sdk."""

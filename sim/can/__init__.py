@@ -1,0 +1,1 @@
+"""Simulated motor controllers on a CAN bus, with a codec of their own."""
