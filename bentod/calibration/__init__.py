@@ -1,0 +1,1 @@
+"""How long a joint takes to obey, measured by small steps."""
