@@ -14,9 +14,9 @@ from bentod.messages import Message
 from bentod.serve.requests import Requests
 from bentod.tick import Controller
 from sim import clock
-from sim.dynamixel import tables
+from sim.dynamixel import tables1 as tables
+from sim.dynamixel.cells import Refusal
 from sim.dynamixel.device import Device
-from sim.dynamixel.packets import Error
 from tests import rig
 from tests.benchmarks.harness import Row, at_most, main
 from tests.rig import number, quiet_config, running, state
@@ -108,7 +108,7 @@ def _seen_take(witness: Witness) -> object:
 def _seen_write(witness: Witness) -> object:
     original = Device.write
 
-    def write(self: Device, address: int, data: bytes) -> Error:
+    def write(self: Device, address: int, data: bytes) -> Refusal:
         if address == tables.GOAL.address and self.get(tables.ID) == SERVO:
             witness.goal(data)
         return original(self, address, data)
