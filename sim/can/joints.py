@@ -1,14 +1,15 @@
 """Simulated joints on CAN: the driver of real controllers over simulated axes, in the loop's own time."""
 
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
 
-from bentod.contracts import ArmConfig, Clock
-from bentod.frames import Command, JointSpec, State
-from drivers.can.joints import CanJoints, open_over
+from bentod.contracts import ArmConfig, Clock, Joints
+from bentod.frames import JointSpec
+from drivers.can.joints import open_over
 from drivers.can.options import parse_hardware
 from sim.bento import BURDENS, DOWN, NOTHING, STOP_MARGIN
+from sim.breakable import Breakable
 from sim.can.axis import SimAxis
 from sim.can.motor import Motor
 from sim.can.network import Network, Wire
@@ -16,44 +17,12 @@ from sim.can.options import Options, bus_options, parse_options
 from sim.shaft import Link
 
 
-class SimulatedCanJoints:
-    """Joints that can be broken on purpose (FaultInjector) and looked at from outside (`network`)."""
+class SimulatedCanJoints(Breakable):
+    """Joints on simulated controllers, which can be looked at from outside (`network`)."""
 
-    def __init__(self, joints: CanJoints, network: Network) -> None:
+    def __init__(self, joints: Joints, network: Network) -> None:
+        super().__init__(joints, network)
         self.network = network
-        self._joints = joints
-
-    async def read(self) -> State:
-        """See `bentod.contracts.Joints`."""
-        return await self._joints.read()
-
-    async def write(self, commands: Sequence[Command | None]) -> None:
-        """See `bentod.contracts.Joints`."""
-        await self._joints.write(commands)
-
-    async def set_torque(self, on: Sequence[bool]) -> None:
-        """See `bentod.contracts.Joints`."""
-        await self._joints.set_torque(on)
-
-    def torque(self) -> tuple[bool, ...]:
-        """See `bentod.contracts.Joints`."""
-        return self._joints.torque()
-
-    async def clear_errors(self, joints: Sequence[int]) -> tuple[str, ...]:
-        """See `bentod.contracts.Joints`."""
-        return await self._joints.clear_errors(joints)
-
-    def estop(self) -> None:
-        """See `drivers.can.joints.CanJoints`."""
-        self._joints.estop()
-
-    def faults(self) -> tuple[str, ...]:
-        """See `bentod.contracts.FaultInjector`."""
-        return self.network.faults()
-
-    def inject(self, fault: str, joint: int | None, on: bool) -> None:
-        """See `bentod.contracts.FaultInjector`."""
-        self.network.inject(fault, joint, on)
 
 
 @asynccontextmanager
