@@ -121,10 +121,15 @@ class JointMotion:
         if self._creeps(now) and self._moving is not None:
             return Goal(self._moving.position, self._tuning.slowest)
         place = self._resting_place(course)
-        self._rest = Goal(self._spec.clamp(place), self._speed)
+        self._rest = Goal(self._held(place), self._speed)
         self._moving = None
         self._observer.rests(self._rest.position, self._rest.position == course.place)
         return self._rest
+
+    def _held(self, place: float) -> float:
+        """`place` within the limits, or where the joint is: a stop pulls nobody in who is outside."""
+        here = self._observer.last.position
+        return min(max(place, min(self._spec.minimum, here)), max(self._spec.maximum, here))
 
     def _begin_stop(self, course: Course, now: float) -> None:
         last = self._observer.last

@@ -59,9 +59,12 @@ def test_every_goal_is_within_the_limits_and_has_a_speed(
     told: list[tuple[Command, JointState]], tuning: Tuning
 ) -> None:
     joint = Moved(tuning)
+    seen = [0.0]
     for command, reading in told:
         goal = joint.tell(command, reading)
-        assert SPEC.minimum <= goal.position <= SPEC.maximum
+        seen += [reading.position] if math.isfinite(reading.position) else []
+        # No farther out than the joint has been seen: a stop holds it there and does not pull it in.
+        assert min(SPEC.minimum, *seen) <= goal.position <= max(SPEC.maximum, *seen)
         assert 0 < goal.speed <= SPEC.max_velocity
 
 
@@ -266,3 +269,10 @@ def test_a_recalibrated_joint_begins_anew() -> None:
     assert motion.dead_time == TUNING.dead_time_s
     motion.recalibrate(0.04)
     assert motion.dead_time == 0.04
+
+
+def test_a_stop_does_not_pull_in_a_joint_that_stands_outside_its_limits() -> None:
+    motion = JointMotion(SPEC, TUNING)
+    outside = SPEC.maximum + 0.3
+    goal = motion.command(Stop(), replace(MIDDLE, position=outside), now=0.0)
+    assert goal.position == pytest.approx(outside, abs=0.01)
