@@ -33,6 +33,8 @@ CONFIG = os.environ.get("BENTOD_TEST_CONFIG")
 PERIOD = 1 / 30 if REAL else 0.1
 PATIENT = {"reply_margin_s": 0.03, "attempts": 10}
 """Two processes on a busy machine are slower than any servo."""
+FRESH = 0.95 if REAL else 0.6
+"""Share of readings: a servo answers, a process that simulates one may not be let run for a while."""
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +80,7 @@ async def held(joints: Joints) -> tuple[list[Command | None], list[float]]:
 async def test_every_joint_answers_nearly_every_time(joints: Joints) -> None:
     states = await run(joints, [None] * len(joints.torque()), 2.0)
     fresh = [joint.freshness is Freshness.FRESH for state in states for joint in state.joints]
-    assert sum(fresh) > 0.95 * len(fresh)
+    assert sum(fresh) > FRESH * len(fresh)
 
 
 async def test_an_arm_is_in_order(joints: Joints) -> None:
