@@ -1,154 +1,29 @@
-"""The config as values: tables, keys, units and bounds. Frozen once read."""
+"""The config as one value: every table, and what must hold between them. Frozen once read."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal, Self, TypeAlias, cast
+from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
+from pydantic import Field, model_validator
 
+from bentod.config_tables import (
+    Access,
+    Assist,
+    Chosen,
+    Emg,
+    Group,
+    Joint,
+    Learn,
+    Name,
+    Realtime,
+    Safety,
+    Table,
+    Tcp,
+)
 from bentod.errors import nearest
-from bentod.frames import JointSpec, Value
 
 STOPPED_AFTER = 0.1
 """s after the last sample of a source that died, when the arm must have been told to stop."""
-
-Name: TypeAlias = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,31}$")]
-Angle: TypeAlias = Annotated[float, Field(ge=-6.3, le=6.3)]
-Options: TypeAlias = dict[str, JsonValue]
-
-
-class Table(BaseModel):
-    """A table of the file: no unknown keys, no infinities, no changes after reading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class Chosen(BaseModel):
-    """A table whose `name` chooses a factory of the registry; its other keys are the factory's own."""
-
-    model_config = ConfigDict(extra="allow", frozen=True)
-
-    name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_-]{0,31}$")]
-
-    @property
-    def options(self) -> Mapping[str, Value]:
-        """The keys besides `name`."""
-        return dict(self.model_extra or {})
-
-
-class Joint(Table):
-    """One joint: limits, speed, home, its driver (the default without), and the driver's own `hardware`."""
-
-    name: Name
-    min_rad: Angle
-    max_rad: Angle
-    max_velocity_rad_s: Annotated[float, Field(gt=0, le=10)]
-    home_rad: Angle = 0.0
-    driver: Name | None = None
-    hardware: Options = {}
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if not self.min_rad < self.max_rad:
-            raise ValueError(f"min_rad = {self.min_rad} must be below max_rad = {self.max_rad}")
-        if not self.min_rad <= self.home_rad <= self.max_rad:
-            raise ValueError(f"home_rad = {self.home_rad} is outside {self.min_rad} .. {self.max_rad}")
-        return self
-
-    def spec(self) -> JointSpec:
-        """The joint as drivers and controllers see it."""
-        hardware = cast("Mapping[str, Value]", self.hardware)
-        return JointSpec(
-            self.name, self.min_rad, self.max_rad, self.max_velocity_rad_s, self.home_rad, hardware
-        )
-
-
-class Safety(Table):
-    """What the arm does at the edges of its life."""
-
-    start: Literal["limp", "hold", "active"] = "limp"
-    exit: Literal["limp", "hold"] = "limp"
-    fault: Literal["hold", "limp"] = "hold"
-    hold_after_s: Annotated[float, Field(ge=0.01, le=1)] = 0.1
-    fault_after_s: Annotated[float, Field(ge=0.05, le=5)] = 0.5
-    home_speed_rad_s: Annotated[float, Field(gt=0.012, le=2)] = 0.35
-    lease_max_s: Annotated[float, Field(ge=0.05, le=10)] = 2.0
-
-    @model_validator(mode="after")
-    def _ladder(self) -> Self:
-        if self.fault_after_s < self.hold_after_s:
-            raise ValueError(
-                f"fault_after_s = {self.fault_after_s} must not be below hold_after_s = {self.hold_after_s}"
-            )
-        return self
-
-
-class Group(Table):
-    """A list of joints of which one is active (thesis A.1.1)."""
-
-    name: Name
-    joints: Annotated[tuple[Name, ...], Field(min_length=1, max_length=32)]
-
-
-class Site(Table):
-    """One EMG site (thesis A.1.2): effort is 0 at the threshold and 1 at the maximum."""
-
-    name: Name
-    channel: Annotated[int, Field(ge=0, le=255)]
-    gain: Annotated[float, Field(gt=0, le=1e6)] = 1.0
-    threshold_v: Annotated[float, Field(ge=0, le=10)]
-    max_v: Annotated[float, Field(gt=0, le=10)]
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if not self.threshold_v < self.max_v:
-            raise ValueError(f"threshold_v = {self.threshold_v} must be below max_v = {self.max_v}")
-        return self
-
-
-class Pair(Table):
-    """Two sites that drive one group, and a third that toggles it."""
-
-    group: Name
-    positive: Name
-    negative: Name
-    toggle: Name | None = None
-
-
-class Emg(Table):
-    """Muscle signals and how they become effort."""
-
-    rate_hz: Annotated[float, Field(ge=50, le=10_000)] = 200.0
-    window: Annotated[int, Field(ge=1, le=1000)] = 10
-    stall_s: Annotated[float, Field(ge=0.01, le=0.1)] = 0.06
-    source: Chosen
-    sites: Annotated[tuple[Site, ...], Field(min_length=1, max_length=64)]
-    pairs: Annotated[tuple[Pair, ...], Field(max_length=16)] = ()
-
-
-class Learn(Table):
-    """What is predicted and how it is learned (thesis 5.3)."""
-
-    joints: Annotated[tuple[Name, ...], Field(min_length=1, max_length=8)]
-    predict: tuple[Name, ...] = ()
-    timescales: Annotated[tuple[Annotated[float, Field(gt=1, le=10_000)], ...], Field(min_length=1)] = (20.0,)
-    tilings: Annotated[int, Field(ge=1, le=1024)] = 100
-    memory: Annotated[int, Field(ge=16, le=1 << 20)] = 2048
-    trace_decay: Annotated[float, Field(ge=0, lt=1)] = 0.99
-    trace_lambda: Annotated[float, Field(ge=0, le=1)] = 0.95
-    step_size: Annotated[float, Field(gt=0, le=1)] = 0.3
-
-
-class Assist(Table):
-    """Direct Predictive Collaborative Control (thesis 5.3)."""
-
-    mode: Literal["off", "dpcc"] = "dpcc"
-    group: Name
-    timescale: Annotated[float, Field(gt=1, le=10_000)] = 20.0
-    k: Annotated[float, Field(gt=0, lt=1)] = 0.025
-    velocity_limit_rad_s: Annotated[float, Field(gt=0, le=10)] = 10.0
-    manual_after_toggle_s: Annotated[float, Field(ge=0, le=10)] = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,8 +47,11 @@ class Config(Table):
     rate_hz: Annotated[float, Field(ge=10, le=500)] = 30.0
     socket: Path | None = None
     driver: Chosen | None = None
-    drivers: Annotated[dict[Name, Chosen], Field(max_length=16)] = {}
+    drivers: dict[Name, Chosen] = Field(default_factory=dict, max_length=16)
     safety: Safety = Safety()
+    realtime: Realtime = Realtime()
+    access: Access = Access()
+    tcp: Tcp | None = None
     joints: Annotated[tuple[Joint, ...], Field(min_length=1, max_length=32)]
     groups: Annotated[tuple[Group, ...], Field(max_length=16)] = ()
     emg: Emg | None = None

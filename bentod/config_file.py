@@ -8,8 +8,9 @@ from typing import Protocol
 
 from pydantic import BaseModel, ValidationError
 
-from bentod.config import Chosen, Config
+from bentod.config import Config
 from bentod.config_errors import explain
+from bentod.config_tables import Chosen
 from bentod.errors import ConfigError
 
 

@@ -33,6 +33,17 @@ class Freshness(StrEnum):
     LOST = "lost"  # silent for so long that the last value means nothing
 
 
+@dataclass(frozen=True)
+class Bounds:
+    """What a joint may do besides its position and velocity."""
+
+    acceleration: float = 10.0  # rad/s², of what is asked of it; a stop is never slowed down
+    soft_zone: float = 0.05  # rad before a limit, within which it slows down towards the limit
+    load: float = 0.95  # share of the greatest torque, above which it moves no further against the load
+    warm: float = 60.0  # degrees Celsius, from which on it slows down
+    hot: float = 72.0  # degrees Celsius, at which it goes limp; an MX servo would let go by itself at 80
+
+
 @dataclass(frozen=True, slots=True)
 class JointSpec:
     """One joint as the config declares it."""
@@ -43,6 +54,7 @@ class JointSpec:
     max_velocity: float  # rad/s, above 0
     home: float  # rad
     hardware: Mapping[str, Value]  # the driver's own keys, checked by the driver
+    bounds: Bounds = Bounds()
 
     def clamp(self, position: float) -> float:
         """`position` (rad) brought into the joint's limits."""
@@ -153,6 +165,7 @@ class JointFrame:
     asked: Mapping[str, Command]  # by source: "client", "home", "emg", "assist"
     holder: str  # the source that won, with the client's name; empty when nobody asks
     sent: Command | None  # None: nothing was written, the joint is limp or in fault
+    limited: str  # which limit made `sent` differ from what was asked, in a word or two; empty if none did
     predictions: Mapping[str, float]  # rad, by timescale in steps, e.g. {"20": 0.31}
 
 
@@ -178,6 +191,7 @@ class GroupFrame:
     joints: tuple[str, ...]
     active: str
     effort: float  # -1..1, what the operator asks of the active joint
+    operator: str  # who drives the group, e.g. "emg" or "client:joystick"; empty when nobody does
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,6 +215,16 @@ class AssistFrame:
 
 
 @dataclass(frozen=True, slots=True)
+class Costs:
+    """What the phases of a tick took (s)."""
+
+    read: float  # the round on the bus
+    think: float  # muscles, learners, assist, arbiter, limits
+    write: float  # commands and torque
+    publish: float  # of the tick before: the frame to subscribers
+
+
+@dataclass(frozen=True, slots=True)
 class Frame:
     """Everything about one tick, published as one atomic message."""
 
@@ -209,6 +233,8 @@ class Frame:
     wall: float  # s since the epoch
     lateness: float  # s from the deadline to the start of the tick
     missed: int  # ticks skipped since the start
+    costs: Costs
+    shed: int  # updates of learners left out since the start, because their ticks' time was spent
     rate_hz: float
     mode: Mode  # FAULT, or the mode that the least restrained joint is in
     fault: str  # why; empty when there is none

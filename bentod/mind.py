@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from bentod.assist.dpcc import Assistance, Dpcc, DpccSettings, at_timescale
-from bentod.config import Assist, Learn
+from bentod.config_tables import Assist, Learn
 from bentod.control.groups import Groups
 from bentod.errors import BadRequest, Refused
 from bentod.frames import AssistFrame, Freshness, JointSpec, Prediction, State, Value

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from bentod.config import Pair
-from bentod.config import Site as SiteConfig
+from bentod.config_tables import Pair
+from bentod.config_tables import Site as SiteConfig
 from bentod.control.proportional import Proportional, Site, difference
 from bentod.control.switching import ToggleSite, Toggling
 from bentod.emg.feed import Feed

@@ -5,7 +5,18 @@ from dataclasses import dataclass, replace
 
 from bentod.control.arbiter import Decision, asked_of
 from bentod.desk import Desk
-from bentod.frames import AssistFrame, Command, Frame, GroupFrame, JointFrame, Mode, State, Stop, Wishes
+from bentod.frames import (
+    AssistFrame,
+    Command,
+    Costs,
+    Frame,
+    GroupFrame,
+    JointFrame,
+    Mode,
+    State,
+    Stop,
+    Wishes,
+)
 from bentod.muscles import Look
 
 
@@ -19,6 +30,8 @@ class Stamp:
     lateness: float  # s
     missed: int
     rate_hz: float
+    costs: Costs
+    shed: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +54,8 @@ def frame(stamp: Stamp, desk: Desk, deed: Deed) -> Frame:
         wall=stamp.wall,
         lateness=stamp.lateness,
         missed=stamp.missed,
+        costs=stamp.costs,
+        shed=stamp.shed,
         rate_hz=stamp.rate_hz,
         mode=desk.modes.arm,
         fault=desk.modes.fault,
@@ -52,6 +67,7 @@ def frame(stamp: Stamp, desk: Desk, deed: Deed) -> Frame:
                 tuple(desk.specs[joint].name for joint in group.joints),
                 desk.specs[group.active].name,
                 deed.look.efforts.get(group.name, 0.0),
+                "",
             )
             for group in desk.groups
         ),
@@ -89,5 +105,6 @@ def _joint(joint: int, desk: Desk, deed: Deed) -> JointFrame:
         asked=asked_of(joint, deed.wishes),
         holder=f"client:{desk.clients.holder(joint)}" if holder == "client" else holder,
         sent=deed.sent[joint],
+        limited="",
         predictions=desk.mind.predictions(joint),
     )

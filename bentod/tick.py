@@ -10,7 +10,7 @@ from bentod.control.arbiter import Decision, arbitrate, attended
 from bentod.control.limits import limit
 from bentod.desk import Desk
 from bentod.errors import BusError
-from bentod.frames import Command, Event, Frame, State, Stop, Wishes
+from bentod.frames import Command, Costs, Event, Frame, State, Stop, Wishes
 from bentod.inbox import Inbox, Seam
 from bentod.report import Deed, Stamp, faulted, frame
 
@@ -83,7 +83,9 @@ class Controller:
         await self._clear_errors()
         await self._switch_torque()
 
-        stamp = Stamp(self._ticks, due, self._clock.wall(), lateness, self._missed, self._rate_hz)
+        stamp = Stamp(
+            self._ticks, due, self._clock.wall(), lateness, self._missed, self._rate_hz, Costs(0, 0, 0, 0), 0
+        )
         self._newest = frame(stamp, desk, Deed(state, look, wishes, assistance.frame, decided, sent))
         self._publish(self._newest, desk.journal.take(), True)
         self._seam.answer(self._newest)

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from bentod.config import Assist, Learn
+from bentod.config_tables import Assist, Learn
 from bentod.control.groups import Groups
 from bentod.errors import BadRequest, Refused
 from bentod.frames import Velocity

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from bentod.client import Client
-from bentod.config import Config, Pair, Site
+from bentod.config import Config
+from bentod.config_tables import Pair, Site
 from bentod.contracts import Clock, EmgConfig
 from bentod.emg.feed import Feed
 from bentod.errors import BadRequest

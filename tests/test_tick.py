@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bentod.client import Client
-from bentod.config import Config, Learn
+from bentod.config import Config
+from bentod.config_tables import Learn
 from bentod.control.groups import Groups
 from bentod.daemon import Daemon
 from bentod.desk import Desk

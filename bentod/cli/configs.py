@@ -5,8 +5,9 @@ import sysconfig
 from pathlib import Path
 
 from bentod import registry
-from bentod.config import Chosen, Config
+from bentod.config import Config
 from bentod.config_file import Overrides, load
+from bentod.config_tables import Chosen
 from bentod.errors import ConfigError
 
 DEFAULT = "sim.toml"

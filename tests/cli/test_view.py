@@ -9,6 +9,7 @@ import pytest
 from bentod.cli.view import WIDTH, Range, lines
 from bentod.frames import (
     AssistFrame,
+    Costs,
     EmgFrame,
     Frame,
     Freshness,
@@ -41,6 +42,7 @@ JOINT = JointFrame(
     asked={},
     holder="emg",
     sent=None,
+    limited="",
     predictions={"10": 0.1, "20": 0.5},
 )
 
@@ -50,12 +52,14 @@ FRAME = Frame(
     wall=0.0,
     lateness=0.00042,
     missed=3,
+    costs=Costs(0.0, 0.0, 0.0, 0.0),
+    shed=0,
     rate_hz=30.0,
     mode=Mode.ACTIVE,
     fault="",
     joints=(JOINT, replace(JOINT, name="elbow_flexion")),
     emg=EmgFrame(True, False, "", 800, 0.005, 0, {"flexor": 0.62, "extensor": 0.0}, 4),
-    groups=(GroupFrame("arm", ("shoulder_rotation", "elbow_flexion"), "shoulder_rotation", 0.6),),
+    groups=(GroupFrame("arm", ("shoulder_rotation", "elbow_flexion"), "shoulder_rotation", 0.6, "emg"),),
     assist=AssistFrame("dpcc", True, "Moves elbow_flexion to where the operator usually has it."),
     goal=None,
     meta=None,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from bentod.errors import Refused
-from bentod.frames import AssistFrame, EmgFrame, Event, Frame, Mode, Value
+from bentod.frames import AssistFrame, Costs, EmgFrame, Event, Frame, Mode, Value
 from bentod.messages import Decoder, Limits, Message, encode_request
 from bentod.serve.params import Number, Text
 from bentod.serve.server import Server
@@ -69,6 +69,8 @@ def frame(tick: int, meta: Value = None) -> Frame:
         wall=0.0,
         lateness=0.0,
         missed=0,
+        costs=Costs(0.0, 0.0, 0.0, 0.0),
+        shed=0,
         rate_hz=30.0,
         mode=Mode.ACTIVE,
         fault="",

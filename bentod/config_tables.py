@@ -1,0 +1,212 @@
+"""The tables of the config: keys, units and bounds. What joins them is in `bentod.config`."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Literal, Self, TypeAlias, cast
+
+from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
+
+from bentod.frames import Bounds, JointSpec, Value
+
+Name: TypeAlias = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,31}$")]
+Angle: TypeAlias = Annotated[float, Field(ge=-6.3, le=6.3)]
+Options: TypeAlias = dict[str, JsonValue]
+
+
+class Table(BaseModel):
+    """A table of the file: no unknown keys, no infinities, no changes after reading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Chosen(BaseModel):
+    """A table whose `name` chooses a factory of the registry; its other keys are the factory's own."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+
+    name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_-]{0,31}$")]
+
+    @property
+    def options(self) -> Mapping[str, Value]:
+        """The keys besides `name`."""
+        return dict(self.model_extra or {})
+
+
+class JointLimits(Table):
+    """What a joint may do besides its position and velocity; see `Bounds`."""
+
+    max_acceleration_rad_s2: Annotated[float, Field(gt=0, le=1000)] = Bounds.acceleration
+    soft_zone_rad: Annotated[float, Field(ge=0, le=1)] = Bounds.soft_zone
+    max_load: Annotated[float, Field(gt=0, le=1)] = Bounds.load
+    warm_c: Annotated[float, Field(ge=20, le=100)] = Bounds.warm
+    hot_c: Annotated[float, Field(ge=20, le=100)] = Bounds.hot
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if not self.warm_c < self.hot_c:
+            raise ValueError(f"warm_c = {self.warm_c} must be below hot_c = {self.hot_c}")
+        return self
+
+    def bounds(self) -> Bounds:
+        """The limits as controllers see them."""
+        return Bounds(
+            self.max_acceleration_rad_s2, self.soft_zone_rad, self.max_load, self.warm_c, self.hot_c
+        )
+
+
+class Joint(Table):
+    """One joint: limits, speed, home, its driver (the default without), and the driver's own `hardware`."""
+
+    name: Name
+    min_rad: Angle
+    max_rad: Angle
+    max_velocity_rad_s: Annotated[float, Field(gt=0, le=10)]
+    home_rad: Angle = 0.0
+    driver: Name | None = None
+    limits: JointLimits = JointLimits()
+    hardware: Options = {}
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if not self.min_rad < self.max_rad:
+            raise ValueError(f"min_rad = {self.min_rad} must be below max_rad = {self.max_rad}")
+        if not self.min_rad <= self.home_rad <= self.max_rad:
+            raise ValueError(f"home_rad = {self.home_rad} is outside {self.min_rad} .. {self.max_rad}")
+        return self
+
+    def spec(self) -> JointSpec:
+        """The joint as drivers and controllers see it."""
+        hardware = cast("Mapping[str, Value]", self.hardware)
+        return JointSpec(
+            self.name,
+            self.min_rad,
+            self.max_rad,
+            self.max_velocity_rad_s,
+            self.home_rad,
+            hardware,
+            self.limits.bounds(),
+        )
+
+
+class Safety(Table):
+    """What the arm does at the edges of its life."""
+
+    start: Literal["limp", "hold", "active"] = "limp"
+    exit: Literal["limp", "hold"] = "limp"
+    fault: Literal["hold", "limp"] = "hold"
+    hold_after_s: Annotated[float, Field(ge=0.01, le=1)] = 0.1
+    fault_after_s: Annotated[float, Field(ge=0.05, le=5)] = 0.5
+    home_speed_rad_s: Annotated[float, Field(gt=0.012, le=2)] = 0.35
+    lease_max_s: Annotated[float, Field(ge=0.05, le=10)] = 2.0
+
+    @model_validator(mode="after")
+    def _ladder(self) -> Self:
+        if self.fault_after_s < self.hold_after_s:
+            raise ValueError(
+                f"fault_after_s = {self.fault_after_s} must not be below hold_after_s = {self.hold_after_s}"
+            )
+        return self
+
+
+class Group(Table):
+    """A list of joints of which one is active (thesis A.1.1)."""
+
+    name: Name
+    joints: Annotated[tuple[Name, ...], Field(min_length=1, max_length=32)]
+
+
+class Site(Table):
+    """One EMG site (thesis A.1.2): effort is 0 at the threshold and 1 at the maximum."""
+
+    name: Name
+    channel: Annotated[int, Field(ge=0, le=255)]
+    gain: Annotated[float, Field(gt=0, le=1e6)] = 1.0
+    threshold_v: Annotated[float, Field(ge=0, le=10)]
+    max_v: Annotated[float, Field(gt=0, le=10)]
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if not self.threshold_v < self.max_v:
+            raise ValueError(f"threshold_v = {self.threshold_v} must be below max_v = {self.max_v}")
+        return self
+
+
+class Pair(Table):
+    """Two sites that drive one group, and a third that toggles it."""
+
+    group: Name
+    positive: Name
+    negative: Name
+    toggle: Name | None = None
+
+
+class Emg(Table):
+    """Muscle signals and how they become effort."""
+
+    rate_hz: Annotated[float, Field(ge=50, le=10_000)] = 200.0
+    window: Annotated[int, Field(ge=1, le=1000)] = 10
+    stall_s: Annotated[float, Field(ge=0.01, le=0.1)] = 0.06
+    source: Chosen
+    sites: Annotated[tuple[Site, ...], Field(min_length=1, max_length=64)]
+    pairs: Annotated[tuple[Pair, ...], Field(max_length=16)] = ()
+
+
+class Learn(Table):
+    """What is predicted and how it is learned (thesis 5.3)."""
+
+    joints: Annotated[tuple[Name, ...], Field(min_length=1, max_length=8)]
+    predict: tuple[Name, ...] = ()
+    timescales: Annotated[tuple[Annotated[float, Field(gt=1, le=10_000)], ...], Field(min_length=1)] = (20.0,)
+    tilings: Annotated[int, Field(ge=1, le=1024)] = 100
+    memory: Annotated[int, Field(ge=16, le=1 << 20)] = 2048
+    trace_decay: Annotated[float, Field(ge=0, lt=1)] = 0.99
+    trace_lambda: Annotated[float, Field(ge=0, le=1)] = 0.95
+    step_size: Annotated[float, Field(gt=0, le=1)] = 0.3
+    budget: Annotated[float, Field(gt=0, le=1)] = 0.6
+    """Share of a tick's period after which no learner is updated any more in that tick."""
+
+
+class Assist(Table):
+    """Direct Predictive Collaborative Control (thesis 5.3)."""
+
+    mode: Literal["off", "dpcc"] = "dpcc"
+    group: Name
+    timescale: Annotated[float, Field(gt=1, le=10_000)] = 20.0
+    k: Annotated[float, Field(gt=0, lt=1)] = 0.025
+    velocity_limit_rad_s: Annotated[float, Field(gt=0, le=10)] = 10.0
+    manual_after_toggle_s: Annotated[float, Field(ge=0, le=10)] = 0.5
+
+
+class Realtime(Table):
+    """What the process asks of the operating system, to be on time."""
+
+    priority: Annotated[int, Field(ge=0, le=99)] = 0
+    """Of SCHED_FIFO; 0 leaves the scheduling as it is."""
+    lock_memory: bool = False
+    cpus: Annotated[tuple[Annotated[int, Field(ge=0, le=1023)], ...], Field(max_length=64)] = ()
+    gc: Literal["slack", "python"] = "slack"
+    required: bool = False
+
+
+GroupOfUsers: TypeAlias = Annotated[str, Field(pattern=r"^[a-z_][a-z0-9_-]{0,31}$")]
+
+
+class Access(Table):
+    """Who may do what on the Unix socket, by Unix group; the daemon's own user and root may do everything."""
+
+    operators: Annotated[tuple[GroupOfUsers, ...], Field(max_length=16)] = ()
+    observers: Annotated[tuple[GroupOfUsers, ...], Field(max_length=16)] | None = None
+    """None: whoever the permissions of the socket let in."""
+    connections_per_user: Annotated[int, Field(ge=1, le=1024)] = 32
+    requests_per_s: Annotated[float, Field(ge=1, le=100_000)] = 2000.0
+
+
+class Tcp(Table):
+    """The same API over TCP: off without this table."""
+
+    host: Annotated[str, Field(min_length=1, max_length=253)] = "127.0.0.1"
+    port: Annotated[int, Field(ge=1, le=65_535)] = 4776
+    certificate: Path | None = None
+    key: Path | None = None
+    operator_token: Path | None = None
+    observer_token: Path | None = None
