@@ -149,7 +149,7 @@ class Visit:
             for id_ in ids:
                 if (id_, protocol) not in found and await bus.ping(protocol, id_) is not None:
                     found.append((id_, protocol))
-        return found
+        return sorted(found, key=lambda place: (place[1], place[0]))
 
     async def _mend(self, bus: Bus, servo: Vitals, report: Report) -> Vitals:
         repairs = [finding.repair for finding in judge(servo) if finding.repair is not None]

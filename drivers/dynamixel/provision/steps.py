@@ -51,8 +51,10 @@ def scan(port: str, bauds: Sequence[int], ids: Sequence[int], say: Callable[[str
     for baud, protocol in itertools.product(bauds, PROTOCOLS):
         say(f"{baud} bit/s, protocol {protocol}.0: asking {len(ids)} IDs")
         with Line(port, baud, protocol) as line:
-            numbers = ((id_, line.ping(id_, hasty=True)) for id_ in ids)
-            yield from (Place(id_, n, protocol, baud) for id_, n in numbers if n is not None)
+            numbers = {id_: line.ping(id_, hasty=True) for id_ in ids}
+            if any(numbers.values()):  # where somebody is, a busy computer may have missed others
+                numbers |= {id_: line.ping(id_, hasty=True) for id_, number in numbers.items() if not number}
+            yield from (Place(id_, n, protocol, baud) for id_, n in numbers.items() if n is not None)
 
 
 def find(port: str, id_: int, bauds: Sequence[int]) -> Place:
