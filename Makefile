@@ -3,12 +3,13 @@
 PYTHON ?= python3
 VENV ?= .venv
 CONFIG ?= config/sim.toml
+MINUTES ?= 10
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check -qq
 INSTALL := $(PIP) install --constraint constraints.txt --build-constraint constraints.txt --editable .
 
 .DEFAULT_GOAL := help
-.PHONY: run test check bench reference clean help
+.PHONY: run test check audit fuzz bench faults reference clean help
 
 run: $(VENV)/run.stamp ## start the daemon with a simulated arm (CONFIG=FILE for another)
 	@exec $(BIN)/bentod run --config $(CONFIG)
@@ -20,6 +21,15 @@ check: $(VENV)/check.stamp ## lint, format, types, layers
 	@echo "ruff: lint and format" && $(BIN)/ruff check --quiet && $(BIN)/ruff format --check --quiet
 	@echo "mypy: types" && $(BIN)/mypy --no-error-summary
 	@echo "import-linter: layers" && $(BIN)/lint-imports --no-logo
+
+audit: $(VENV)/audit.stamp ## fail if an advisory is known for a pinned version (ARGS=--strict: or if nobody answers)
+	@$(BIN)/python -m tests.audit.advisories $(ARGS)
+
+fuzz: $(VENV)/fuzz.stamp ## search for input that breaks the socket, guided by coverage (MINUTES=10)
+	@$(BIN)/python -m tests.fuzz.campaign --minutes $(MINUTES)
+
+faults: $(VENV)/test.stamp ## break everything around a simulated arm, and renew the tables of what it did
+	@$(BIN)/python -m tests.system.campaign README.md docs/faults.md
 
 bench: $(VENV)/test.stamp ## measure: NAME=core prints a table and writes build/bench/core.json
 	@test -f "tests/benchmarks/$(NAME).py" || { \
@@ -61,4 +71,14 @@ $(VENV)/test.stamp: $(VENV)/run.stamp
 $(VENV)/check.stamp: $(VENV)/test.stamp
 	@echo "Installing the linters"
 	@$(INSTALL) --group test --group check
+	@touch $@
+
+$(VENV)/audit.stamp: $(VENV)/run.stamp
+	@echo "Installing the auditor"
+	@$(INSTALL) --group audit
+	@touch $@
+
+$(VENV)/fuzz.stamp: $(VENV)/test.stamp
+	@echo "Installing the fuzzer"
+	@$(INSTALL) --group test --group fuzz
 	@touch $@

@@ -1,15 +1,17 @@
 """The blocking client of the daemon, for notebooks and the command line."""
 
 import itertools
-import os
 import socket
+import ssl
 import time
 from collections import deque
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from bentod.address import Address, parse
 from bentod.endpoint import (
     BACKLOG,
     GENEROUS,
@@ -20,6 +22,7 @@ from bentod.endpoint import (
     either,
     result_of,
 )
+from bentod.errors import BentodError
 from bentod.frames import Value
 from bentod.messages import GREATEST_ID, Decoder, Message, Notification, Response, encode_request
 
@@ -27,23 +30,32 @@ from bentod.messages import GREATEST_ID, Decoder, Message, Notification, Respons
 class BlockingClient:
     """`with BlockingClient(path) as arm: arm.call("stop")`. For one thread; notifications wait until read."""
 
-    def __init__(self, path: Path | str | None = None, timeout_s: float = 5.0) -> None:
-        """Connect to the daemon at `path`, or at the default one; `timeout_s` holds for every answer.
+    def __init__(
+        self,
+        address: Path | str | None = None,
+        timeout_s: float = 5.0,
+        token: str | None = None,
+        cafile: Path | str | None = None,
+    ) -> None:
+        """Connect to the daemon at `address`, or at the default one; `timeout_s` holds for every answer.
 
-        Raises:
-            Disconnected: nobody listens there.
+        `address`, `token` and `cafile` are as in `Client.connect`, and so is what is raised.
         """
-        where = os.fspath(path or default_socket_path())
+        where = parse(address or default_socket_path())
         self._timeout = timeout_s
         self._decoder = Decoder(GENEROUS)
         self._ids = itertools.count()
         self._waiting: deque[Notification] = deque(maxlen=BACKLOG)
-        self._socket = socket.socket(socket.AF_UNIX)
+        tls = where.tls_context(cafile)
+        with connecting(where):
+            self._socket = _connected(where, tls, timeout_s)
+        if not where.path:
+            self._authenticate(where, token)
+
+    def _authenticate(self, where: Address, token: str | None) -> None:
         try:
-            with connecting(where):
-                self._socket.settimeout(timeout_s)
-                self._socket.connect(where)
-        except Disconnected:
+            self.call("authenticate", **where.answer(self.call("challenge"), token))
+        except BentodError:
             self.close()
             raise
 
@@ -121,3 +133,18 @@ class BlockingClient:
         if not data:
             raise Disconnected("The daemon closed the connection.")
         return data
+
+
+def _connected(where: Address, tls: ssl.SSLContext | None, timeout_s: float) -> socket.socket:
+    with ExitStack() as stack:
+        if where.path:
+            found = stack.enter_context(socket.socket(socket.AF_UNIX))
+            found.settimeout(timeout_s)
+            found.connect(where.path)
+        else:
+            found = stack.enter_context(socket.create_connection((where.host, where.port), timeout_s))
+            found.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            if tls:
+                found = stack.enter_context(tls.wrap_socket(found, server_hostname=where.host))
+        stack.pop_all()
+    return found

@@ -2,13 +2,14 @@
 
 import asyncio
 import itertools
-import os
+import ssl
 from collections import deque
 from collections.abc import AsyncGenerator, AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Self
 
+from bentod.address import Address, parse
 from bentod.endpoint import (
     BACKLOG,
     GENEROUS,
@@ -22,9 +23,9 @@ from bentod.endpoint import (
 )
 from bentod.errors import BentodError
 from bentod.frames import Value
+from bentod.framing import BadFraming
 from bentod.messages import (
     GREATEST_ID,
-    BadFraming,
     Decoder,
     Message,
     Notification,
@@ -32,6 +33,9 @@ from bentod.messages import (
     encode_notification,
     encode_request,
 )
+
+PATIENCE = 5.0
+"""s that a connection over TCP may take to come about."""
 
 FAREWELL = 1.0
 """s that unsent bytes get when a client closes."""
@@ -45,16 +49,26 @@ class Client:
 
     @classmethod
     @asynccontextmanager
-    async def connect(cls, path: Path | str | None = None) -> AsyncIterator[Self]:
-        """A connection to the daemon at `path`, or at the default one.
+    async def connect(
+        cls, address: Path | str | None = None, token: str | None = None, cafile: Path | str | None = None
+    ) -> AsyncIterator[Self]:
+        """A connection to the daemon at `address`, or at the default one.
+
+        An address is a path, "tls://host:port", or "tcp://host:port" on this machine. The last two need a
+        `token`, which is read from the file that BENTOD_TOKEN_FILE names when it is not given; `cafile`
+        holds the authority of the server's certificate, if the system does not know it.
 
         Raises:
-            Disconnected: nobody listens there.
+            Disconnected: nobody listens there, or it cannot prove who it is.
+            BadRequest, ConfigError: the address, the token's file or `cafile` is no good.
+            RpcError: the token is wrong.
         """
-        where = os.fspath(path or default_socket_path())
-        with connecting(where):
-            _, wire = await asyncio.get_running_loop().create_unix_connection(_Wire, where)
+        where = parse(address or default_socket_path())
+        wire = await _connected(where, where.tls_context(cafile))
         try:
+            if not where.path:
+                nonce = await wire.call("challenge", [])
+                await wire.call("authenticate", where.answer(nonce, token))
             yield cls(wire)
         finally:
             await wire.leave()
@@ -102,6 +116,17 @@ class Client:
         async with self.listen("events") as events:
             async for event in events:
                 yield event
+
+
+async def _connected(where: Address, tls: ssl.SSLContext | None) -> "_Wire":
+    loop = asyncio.get_running_loop()
+    with connecting(where):
+        if where.path:
+            _, wire = await loop.create_unix_connection(_Wire, where.path)
+            return wire
+        async with asyncio.timeout(PATIENCE):
+            _, wire = await loop.create_connection(_Wire, where.host, where.port, ssl=tls)
+            return wire
 
 
 class _Feed:

@@ -44,7 +44,7 @@ class Config(Table):
     """The whole file."""
 
     arm: Annotated[str, Field(min_length=1, max_length=64)]
-    rate_hz: Annotated[float, Field(ge=10, le=500)] = 30.0
+    rate_hz: Annotated[float, Field(ge=10, le=1000)] = 30.0
     socket: Path | None = None
     driver: Chosen | None = None
     drivers: dict[Name, Chosen] = Field(default_factory=dict, max_length=16)

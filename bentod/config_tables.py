@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeAlias, cast
 
-from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, model_validator
 
 from bentod.frames import Bounds, JointSpec, Value
+from bentod.hosts import is_this_machine
 
 Name: TypeAlias = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,31}$")]
 Angle: TypeAlias = Annotated[float, Field(ge=-6.3, le=6.3)]
@@ -177,11 +178,25 @@ class Assist(Table):
     manual_after_toggle_s: Annotated[float, Field(ge=0, le=10)] = 0.5
 
 
+HIGHEST_PRIORITY = 49
+"""Linux runs the threads of interrupts at 50 (kernel/irq/manage.c: sched_set_fifo), the arm's port among
+them."""
+
+
+def _below_interrupts(priority: int) -> int:
+    if priority > HIGHEST_PRIORITY:
+        raise ValueError(
+            f"{priority} is above the bound, {HIGHEST_PRIORITY}: interrupts may run at 50, and the port of "
+            "the arm must not wait for the tick that waits for it"
+        )
+    return priority
+
+
 class Realtime(Table):
     """What the process asks of the operating system, to be on time."""
 
-    priority: Annotated[int, Field(ge=0, le=99)] = 0
-    """Of SCHED_FIFO; 0 leaves the scheduling as it is."""
+    priority: Annotated[int, Field(ge=0), AfterValidator(_below_interrupts)] = 0
+    """Of SCHED_FIFO, up to `HIGHEST_PRIORITY`; 0 leaves the scheduling as it is."""
     lock_memory: bool = False
     cpus: Annotated[tuple[Annotated[int, Field(ge=0, le=1023)], ...], Field(max_length=64)] = ()
     gc: Literal["slack", "python"] = "slack"
@@ -198,11 +213,11 @@ class Access(Table):
     observers: Annotated[tuple[GroupOfUsers, ...], Field(max_length=16)] | None = None
     """None: whoever the permissions of the socket let in."""
     connections_per_user: Annotated[int, Field(ge=1, le=1024)] = 32
-    requests_per_s: Annotated[float, Field(ge=1, le=100_000)] = 2000.0
+    requests_per_s: Annotated[float, Field(ge=50, le=100_000)] = 2000.0
 
 
 class Tcp(Table):
-    """The same API over TCP: off without this table."""
+    """The same API over TCP: off without this table. Who has a token may come in, whoever it is."""
 
     host: Annotated[str, Field(min_length=1, max_length=253)] = "127.0.0.1"
     port: Annotated[int, Field(ge=1, le=65_535)] = 4776
@@ -210,3 +225,19 @@ class Tcp(Table):
     key: Path | None = None
     operator_token: Path | None = None
     observer_token: Path | None = None
+
+    @model_validator(mode="after")
+    def _closed(self) -> Self:
+        problems = []
+        if (self.certificate is None) is not (self.key is None):
+            problems.append("certificate and key go together: give both or neither")
+        elif self.certificate is None and not is_this_machine(self.host):
+            problems.append(
+                f"host = '{self.host}' can be reached by others, and so needs TLS: give certificate and key, "
+                "or choose 127.0.0.1 or ::1"
+            )
+        if self.operator_token is None and self.observer_token is None:
+            problems.append("needs operator_token, observer_token or both: files with what clients must know")
+        if problems:
+            raise ValueError("\n".join(problems))
+        return self

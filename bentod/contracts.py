@@ -70,11 +70,12 @@ class Joints(Protocol):
         """
         ...
 
-    async def clear_errors(self, joints: Sequence[int]) -> tuple[str, ...]:
+    async def clear_errors(self, joints: Sequence[int]) -> tuple[str, ...] | None:
         """Clear the errors of these joints as far as their hardware can; a joint may be limp afterwards.
 
-        Returns a sentence for each joint that needs something else, e.g. a power cycle. Never raises for
-        a silent bus: that is a sentence too.
+        Returns a sentence for each joint that needs something else, e.g. a power cycle; None if that takes
+        longer than a tick has, e.g. for a reboot: then ask again in the next. Never raises for a silent bus:
+        that is a sentence too.
         """
         ...
 

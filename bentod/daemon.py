@@ -4,35 +4,47 @@ import asyncio
 import logging
 import os
 import signal
+import socket as sockets
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AsyncExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from bentod import registry
+from bentod.arm_state import Rules
+from bentod.clock import suspended
 from bentod.config import Config
 from bentod.contracts import ArmConfig, Clock, EmgConfig, FaultInjector, Joints
 from bentod.control.groups import Groups
 from bentod.control.health import Ladder
 from bentod.control.modes import Modes
-from bentod.desk import Desk, Rules
+from bentod.desk import Desk
 from bentod.emg.feed import Feed
 from bentod.endpoint import default_socket_path
 from bentod.ensemble import Member, gather
-from bentod.errors import BentodError
 from bentod.frames import Event, Frame
 from bentod.inbox import Inbox
 from bentod.mind import Mind
 from bentod.muscles import Muscles
+from bentod.realtime import Upkeep
 from bentod.serve.methods import arm_methods
 from bentod.serve.room import About, Room
 from bentod.serve.server import Server
+from bentod.serve.session import Bounds
+from bentod.serve.unix_door import UnixDoor
+from bentod.start import Start
 from bentod.supervise import Supervisor
 from bentod.tick import Controller
 
 _log = logging.getLogger(__name__)
 
-_LEVELS = {"fault": logging.WARNING, "servo": logging.WARNING, "group": logging.DEBUG, "goal": logging.DEBUG}
+_LEVELS = {
+    "fault": logging.WARNING,
+    "servo": logging.WARNING,
+    "late": logging.WARNING,
+    "group": logging.DEBUG,
+    "goal": logging.DEBUG,
+}
 """Of events; what happens every few seconds while the arm is used is for subscribers, not for the log."""
 
 _SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
@@ -46,6 +58,10 @@ class Daemon:
     clock: Clock
     supervisor: Supervisor
     socket: Path
+    passed: sockets.socket | None = None
+    """What a supervisor listens on at that path already."""
+    upkeep: Upkeep = field(default_factory=Upkeep)
+    """What goes on around the ticks."""
 
     async def run(self, ticks: int = 0) -> str:
         """Serve until a signal comes, or for a number of ticks; returns how the arm was left, in a sentence.
@@ -60,15 +76,18 @@ class Daemon:
             # The socket comes first: a second daemon is refused before it touches the arm.
             inbox = Inbox()
             room = Room(inbox, self._about())
-            server = await stack.enter_async_context(Server(arm_methods(room), self.socket))
+            server = await stack.enter_async_context(self._server(room))
+            room.sessions = lambda: server.sessions
             joints = await self._open_joints(stack)
             room.injector = joints if isinstance(joints, FaultInjector) else None
             feed = await self._open_feed(stack)
             desk = self._desk(joints, feed)
             publisher = _Publisher(room, server, self.supervisor, self.clock)
-            controller = Controller(joints, desk, inbox, self.clock, self.config.rate_hz, publisher.publish)
+            rate, tell = self.config.rate_hz, publisher.publish
+            controller = Controller(joints, desk, inbox, self.clock, rate, tell, self.upkeep, suspended)
             _log.info("serving %s on %s", self.config.arm, self.socket)
             stack.enter_context(_signals_call(controller.end))
+            stack.enter_context(self.upkeep.collector)
             torque = await self._live(controller, inbox, feed, ticks)
             left = self._left(torque)
             _log.log(logging.WARNING if any(torque) else logging.INFO, "%s", left)
@@ -102,19 +121,22 @@ class Daemon:
         return f"Torque may still be on, because nothing confirmed that it is off: {', '.join(holding)}."
 
     async def _start(self, inbox: Inbox) -> None:
-        """Bring the arm to the mode that the config wants it to start in."""
-        wanted = self.config.safety.start
-        try:
-            if wanted in ("hold", "active"):
-                await inbox.ask(lambda desk: desk.torque(desk.select(None), True))
-            if wanted == "active":
-                await inbox.ask(lambda desk: desk.pause(desk.select(None), False))
-            answer = await inbox.ask(lambda desk: desk.modes.arm)
-        except BentodError as error:
-            _log.warning("the arm did not start as the config asks: %s", error)
-        else:
-            _log.info("the arm is %s", answer.result.value)
+        await Start(inbox, self.clock).run(self.config.safety.start)
         self.supervisor.ready()
+
+    def _server(self, room: Room) -> Server:
+        access = self.config.access
+        bounds = Bounds(per_user=access.connections_per_user, requests_per_s=access.requests_per_s)
+        unix = UnixDoor(access)
+        return Server(
+            arm_methods(room),
+            self.socket,
+            bounds,
+            passed=self.passed,
+            unix=unix,
+            tcp=self.config.tcp,
+            gate=self.upkeep.gate,
+        )
 
     async def _open_joints(self, stack: AsyncExitStack) -> Joints:
         specs = tuple(joint.spec() for joint in self.config.joints)

@@ -1,15 +1,18 @@
 """What every client shares: where the daemon is, what can go wrong there, what is believed of it."""
 
 import os
+import ssl
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from bentod.address import CA_VARIABLE, Address, shared_folder
 from bentod.errors import BadRequest, BentodError
 from bentod.frames import Value
-from bentod.messages import Limits, Notification, Response
+from bentod.framing import Limits
+from bentod.messages import Notification, Response
 
-GENEROUS = Limits(size=4 * 1024 * 1024, trusted=True)
+GENEROUS = Limits(size=4 * 1024 * 1024, items=4096, trusted=True)
 """What a client takes from the daemon it trusts: frames and tables may be long."""
 
 BACKLOG = 1024
@@ -42,21 +45,31 @@ def default_socket_path() -> Path:
         return Path(service.split(":")[0], "bentod.sock")
     if user := os.environ.get("XDG_RUNTIME_DIR"):
         return Path(user, "bentod", "bentod.sock")
-    return Path("/tmp", f"bentod-{os.getuid()}", "bentod.sock")  # noqa: S108 - the server makes it 0700
+    return shared_folder() / "bentod.sock"
 
 
 @contextmanager
-def connecting(path: str) -> Iterator[None]:
-    """Around the attempt to connect to `path`.
+def connecting(address: Address) -> Iterator[None]:
+    """Around the attempt to connect to `address`.
 
     Raises:
+        ConfigError: somebody else could be listening there.
         Disconnected: it failed.
     """
+    address.check()
     try:
         yield
+    except ssl.SSLCertVerificationError as error:
+        raise Disconnected(
+            f"{address.text} cannot prove who it is: {error.verify_message}. Name the authority of its "
+            f"certificate in {CA_VARIABLE}.",
+            "socket",
+        ) from error
+    except TimeoutError as error:
+        raise Disconnected(f"No daemon answers at {address.text} in time.", "socket") from error
     except OSError as error:
         reason = error.strerror or str(error)
-        raise Disconnected(f"No daemon answers at {path}: {reason}.", "socket") from error
+        raise Disconnected(f"No daemon answers at {address.text}: {reason}.", "socket") from error
 
 
 def either(params: tuple[Value, ...], named: dict[str, Value]) -> Value:

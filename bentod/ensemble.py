@@ -31,13 +31,12 @@ class Ensemble:
     def __init__(self, members: Sequence[Member]) -> None:
         """Every index from 0 up belongs to exactly one member."""
         self._members = tuple(members)
+        self._cleared: dict[int, tuple[str, ...]] = {}  # by number of the member, while others are at it
         self._count = sum(len(member.indices) for member in members)
 
     async def read(self) -> State:
         """All buses at once; ages are counted to the end of the slowest round."""
-        async with asyncio.TaskGroup() as tasks:
-            rounds = [tasks.create_task(member.joints.read()) for member in self._members]
-        states = [done.result() for done in rounds]
+        states = await _all_read(self._members)
         time = max(state.time for state in states)
         joints: dict[int, JointState] = {}
         for member, state in zip(self._members, states, strict=True):
@@ -80,14 +79,22 @@ class Ensemble:
         }
         return tuple(found[index] for index in range(self._count))
 
-    async def clear_errors(self, joints: Sequence[int]) -> tuple[str, ...]:
-        """Each member those of its joints that are among `joints`."""
-        told: list[str] = []
-        for member in self._members:
+    async def clear_errors(self, joints: Sequence[int]) -> tuple[str, ...] | None:
+        """Each member those of its joints that are among `joints`; who is done waits for the others."""
+        waiting = False
+        for number, member in enumerate(self._members):
             own = [own for own, index in enumerate(member.indices) if index in joints]
-            if own:
-                told += await member.joints.clear_errors(own)
-        return tuple(told)
+            if own and number not in self._cleared:
+                needs = await _cleared(member, own)
+                if needs is not None:
+                    self._cleared[number] = needs
+                else:
+                    waiting = True
+        if waiting:
+            return None
+        told = tuple(need for needs in self._cleared.values() for need in needs)
+        self._cleared.clear()
+        return told
 
 
 class BreakableEnsemble(Ensemble):
@@ -136,4 +143,27 @@ async def _tried(member: Member, on: Sequence[bool]) -> list[str]:
         await member.joints.set_torque(on)
     except BusError as error:
         return [str(error)]
+    except Exception as error:  # noqa: BLE001 -- a bug in one driver keeps no other joint from letting go
+        return [f"{member.name}: {type(error).__name__}: {error}"]
     return []
+
+
+async def _cleared(member: Member, joints: Sequence[int]) -> tuple[str, ...] | None:
+    """As `Joints.clear_errors`; a driver that breaks is a sentence, too."""
+    try:
+        return await member.joints.clear_errors(joints)
+    except Exception as error:  # noqa: BLE001 -- a bug in one driver keeps no other from clearing its errors
+        return (f"{member.name}: {type(error).__name__}: {error}",)
+
+
+async def _all_read(members: Sequence[Member]) -> list[State]:
+    """Every member's state. One that breaks cuts no other's round short.
+
+    Raises:
+        ExceptionGroup: members broke.
+    """
+    rounds = [asyncio.ensure_future(member.joints.read()) for member in members]
+    found = await asyncio.gather(*rounds, return_exceptions=True)
+    if broken := [result for result in found if isinstance(result, Exception)]:
+        raise ExceptionGroup("a driver broke in reading", broken)
+    return [done.result() for done in rounds]

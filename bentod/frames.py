@@ -39,9 +39,9 @@ class Bounds:
 
     acceleration: float = 10.0  # rad/s², of what is asked of it; a stop is never slowed down
     soft_zone: float = 0.05  # rad before a limit, within which it slows down towards the limit
-    load: float = 0.95  # share of the greatest torque, above which it moves no further against the load
+    load: float = 0.8  # share of the greatest torque, above which it moves no further against the load
     warm: float = 60.0  # degrees Celsius, from which on it slows down
-    hot: float = 72.0  # degrees Celsius, at which it goes limp; an MX servo would let go by itself at 80
+    hot: float = 68.0  # degrees Celsius, at which it goes limp; by itself an AX lets go at 70, an MX at 80
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,7 +219,7 @@ class Costs:
     """What the phases of a tick took (s)."""
 
     read: float  # the round on the bus
-    think: float  # muscles, learners, assist, arbiter, limits
+    think: float  # requests, muscles, learners, assist, arbiter, limits
     write: float  # commands and torque
     publish: float  # of the tick before: the frame to subscribers
 
@@ -251,6 +251,6 @@ class Event:
     """Something that happened once."""
 
     time: float  # monotonic s
-    kind: str  # "mode", "fault", "group", "goal", "emg", "servo", "client"
+    kind: str  # "mode", "fault", "group", "goal", "emg", "servo", "client", "late"
     text: str  # a sentence
     data: Mapping[str, Value]

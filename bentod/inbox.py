@@ -50,14 +50,37 @@ class _Pending(Generic[T]):
             self.future.set_exception(Refused(reason))
 
 
+class _Stop:
+    """A stop on its way, one for all who have asked for it since the last seam.
+
+    Nothing refuses it: a tick that breaks, and a daemon that ends, stop every joint as well.
+    """
+
+    def __init__(self, who: str) -> None:
+        self.done = asyncio.Event()
+        self._who = who
+
+    def serve(self, desk: Desk) -> None:
+        """Stop every joint."""
+        desk.stop(self._who)
+
+    def answer(self, frame: Frame) -> None:
+        """The servos have been written."""
+        self.done.set()
+
+    def refuse(self, reason: str) -> None:
+        """Every joint is stopped for another reason."""
+        self.done.set()
+
+
 class Seam:
     """The requests of one tick."""
 
-    def __init__(self, pending: list[_Pending[object]]) -> None:
+    def __init__(self, pending: "list[_Pending[object] | _Stop]") -> None:
         self._pending = pending
 
     def serve(self, desk: Desk) -> None:
-        """Carry all of them out, in the order they came."""
+        """Carry all of them out, in the order they came; a stop comes last, and so has the last word."""
         for pending in self._pending:
             pending.serve(desk)
 
@@ -77,6 +100,7 @@ class Inbox:
 
     def __init__(self) -> None:
         self._pending: list[_Pending[object]] = []
+        self._stop: _Stop | None = None
         self._closed = ""
 
     async def ask(self, request: Callable[[Desk], T]) -> Answer[T]:
@@ -87,6 +111,14 @@ class Inbox:
         """
         return await self._leave(request).future
 
+    async def stop(self, who: str) -> None:
+        """Have every joint stopped before the next tick's write, and wait for that. Never refused."""
+        if self._closed:  # the daemon stops the arm anyway, and for good
+            return
+        if self._stop is None:
+            self._stop = _Stop(who)
+        await self._stop.done.wait()
+
     def post(self, request: Callable[[Desk], T]) -> None:
         """The same without waiting: for what must happen although nobody is left to hear of it."""
         pending = self._leave(request)
@@ -94,8 +126,8 @@ class Inbox:
 
     def take(self) -> Seam:
         """Everything that was left since the last call."""
-        seam = Seam(self._pending)
-        self._pending = []
+        seam = Seam([*self._pending, *([self._stop] if self._stop else [])])
+        self._pending, self._stop = [], None
         return seam
 
     def close(self, reason: str) -> None:

@@ -1,7 +1,7 @@
 """MessagePack-RPC framing without input or output: bytes in, typed messages out, and values back to bytes."""
 
 import functools
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from operator import attrgetter
 from typing import NoReturn, TypeAlias
@@ -11,18 +11,10 @@ import numpy as np
 
 from bentod.errors import BentodError
 from bentod.frames import Value
+from bentod.framing import BadFraming, Limits, Scanner
 
 REQUEST, RESPONSE, NOTIFICATION = 0, 1, 2
 GREATEST_ID = 2**32 - 1
-
-
-class BadFraming(BentodError):
-    """The other side does not speak MessagePack-RPC; the connection must be closed.
-
-    Examples: bytes that are no MessagePack, an array of five, a text as message id, a message too long.
-    """
-
-    code = "bad_framing"
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,16 +46,6 @@ class Notification:
 Message: TypeAlias = Request | Response | Notification
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """What one message may hold at most."""
-
-    size: int = 64 * 1024  # bytes
-    items: int = 4096  # of one array or map
-    depth: int = 16  # arrays and maps within each other
-    trusted: bool = False  # the sender is the daemon itself: depth and keys are as they should be
-
-
 class Decoder:
     """Iterating gives the messages that are complete so far, and stops until more bytes are fed.
 
@@ -72,32 +54,97 @@ class Decoder:
     """
 
     def __init__(self, limits: Limits | None = None) -> None:
-        self._limits = limits or Limits()
-        self._unpacker = msgpack.Unpacker(
-            raw=False,
-            strict_map_key=True,
-            ext_hook=_refuse_extension,
-            max_buffer_size=0,  # unpacked parts leave the buffer, so `size` is held here instead
-            max_str_len=self._limits.size,
-            max_bin_len=self._limits.size,
-            max_array_len=self._limits.items,
-            max_map_len=self._limits.items,
-            max_ext_len=0,
-        )
-        self._fed = 0
-        self._taken = 0
+        limits = limits or Limits()
+        self._values: _Trusted | _Untrusted = _Trusted(limits) if limits.trusted else _Untrusted(limits)
+        self._take = self._values.take
 
     def feed(self, data: bytes) -> None:
         """Add received bytes; iterate to the end before feeding more, and memory stays bounded."""
-        self._unpacker.feed(data)
-        self._fed += len(data)
+        self._values.feed(data)
+
+    @property
+    def pending(self) -> int:
+        """Bytes of a message that has begun; once iterated to the end, 0 means that none has."""
+        return self._values.pending
+
+    @property
+    def weight(self) -> float:
+        """What the message given last cost to take in, in small requests."""
+        return self._values.weight
+
+    @property
+    def rest(self) -> bytes:
+        """Of an untrusted sender, the bytes that follow the last message given."""
+        return self._values.rest
 
     def __iter__(self) -> Iterator[Message]:
         return self
 
     def __next__(self) -> Message:
+        return _typed(self._take())
+
+
+class _Untrusted:
+    """Builds a value only once all of it is there and known to be within bounds."""
+
+    def __init__(self, limits: Limits) -> None:
+        self._scanner = Scanner(limits)
+        self.feed = self._scanner.feed
+
+    @property
+    def pending(self) -> int:
+        return self._scanner.pending
+
+    @property
+    def rest(self) -> bytes:
+        return self._scanner.rest
+
+    @property
+    def weight(self) -> float:
+        return self._scanner.weight
+
+    def take(self) -> Value:
+        value = self._scanner.take()
+        if value is None:
+            raise StopIteration
         try:
-            raw = self._unpacker.unpack()
+            built: Value = msgpack.unpackb(value, object_hook=_with_texts_as_keys)
+        except (ValueError, msgpack.UnpackException) as error:
+            raise BadFraming(f"These bytes are not a message: {error or type(error).__name__}.") from error
+        return built
+
+
+class _Trusted:
+    """Builds values while they arrive, which is quicker for long ones, and holds little but their size."""
+
+    rest = b""
+    weight = 1.0
+
+    def __init__(self, limits: Limits) -> None:
+        self._size = limits.size
+        self._unpacker = msgpack.Unpacker(
+            ext_hook=_refuse_extension,
+            max_buffer_size=0,  # unpacked parts leave the buffer, so the size is held here instead
+            max_str_len=limits.size,
+            max_bin_len=limits.size,
+            max_array_len=limits.items,
+            max_map_len=limits.items,
+            max_ext_len=0,
+        )
+        self._fed = 0
+        self._taken = 0
+
+    @property
+    def pending(self) -> int:
+        return self._fed - self._taken
+
+    def feed(self, data: bytes) -> None:
+        self._unpacker.feed(data)
+        self._fed += len(data)
+
+    def take(self) -> Value:
+        try:
+            built: Value = self._unpacker.unpack()
         except msgpack.OutOfData:
             self._check_size(self._fed)
             raise StopIteration from None
@@ -106,34 +153,21 @@ class Decoder:
         end: int = self._unpacker.tell()
         self._check_size(end)
         self._taken = end
-        if not self._limits.trusted:
-            _check_depth(raw, self._limits.depth)
-        return _typed(raw)
+        return built
 
     def _check_size(self, end: int) -> None:
-        if end - self._taken > self._limits.size:
-            raise BadFraming(f"A message is longer than {self._limits.size} bytes.")
+        if end - self._taken > self._size:
+            raise BadFraming(f"A message is longer than {self._size} bytes.")
 
 
 def _refuse_extension(code: int, _data: bytes) -> NoReturn:
     raise ValueError(f"extension type {code} has no meaning here")
 
 
-def _check_depth(raw: Value, depth: int) -> None:
-    level: list[Value] = [raw]
-    for _ in range(depth + 1):
-        level = [child for item in level if isinstance(item, list | dict) for child in _children(item)]
-        if not level:
-            return
-    raise BadFraming(f"Arrays and maps are nested more than {depth} deep.")
-
-
-def _children(item: list[Value] | dict[str, Value]) -> Iterable[Value]:
-    if isinstance(item, list):
-        return item
-    if not all(type(key) is str for key in item):
+def _with_texts_as_keys(built: dict[str, Value]) -> dict[str, Value]:
+    if not all(type(key) is str for key in built):
         raise BadFraming("The keys of a map must be texts.")
-    return item.values()
+    return built
 
 
 def _typed(raw: Value) -> Message:
@@ -163,8 +197,28 @@ def encode_request(id_: int, method: str, params: object) -> bytes:
     return pack((REQUEST, id_, method, params))
 
 
+class Packed(bytes):
+    """A value that is MessagePack already."""
+
+
+class Memo:
+    """The MessagePack of a value that many ask for, made once for as long as it stays the same value."""
+
+    def __init__(self) -> None:
+        self._value: object = None
+        self._packed = Packed(pack(None))
+
+    def of(self, value: object) -> Packed:
+        """`value` as bytes."""
+        if value is not self._value:
+            self._value, self._packed = value, Packed(pack(value))
+        return self._packed
+
+
 def encode_result(id_: int, result: object) -> bytes:
     """The response to a request that succeeded."""
+    if isinstance(result, Packed):
+        return pack((RESPONSE, id_, None, None))[:-1] + result  # the last byte is nil
     return pack((RESPONSE, id_, None, result))
 
 

@@ -2,15 +2,16 @@
 
 import logging
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
 from bentod.assist.dpcc import Assistance, Dpcc, DpccSettings, at_timescale
 from bentod.config_tables import Assist, Learn
+from bentod.contracts import Features
 from bentod.control.groups import Groups
 from bentod.errors import BadRequest, Refused
 from bentod.frames import AssistFrame, Freshness, JointSpec, Prediction, State, Value
-from bentod.learn.horde import Horde, Question
+from bentod.learn.horde import HasTime, Horde, Question, unhurried
 from bentod.learn.representation import Representation
 
 _log = logging.getLogger(__name__)
@@ -37,9 +38,18 @@ class _Predictor:
             learn.trace_lambda,
             learn.step_size,
         )
+        self._arrived: tuple[Features, list[float]] | None = None
+        self._first: float | None = None
 
-    def step(self, state: State, gap: bool) -> tuple[Prediction, ...] | None:
-        """New predictions; None when a reading that they are made from is old.
+    @property
+    def shed(self) -> int:
+        """Updates that were left out for lack of time; one is that of all joints at one timescale."""
+        return self._horde.shed
+
+    def step(
+        self, state: State, gap: bool, first: float | None, has_time: HasTime
+    ) -> tuple[Prediction, ...] | None:
+        """Predictions at the timescale `first` (steps); None when a reading that they are made from is old.
 
         A joint that is only predicted teaches nothing while its reading is old: NaN says so to its learner.
         """
@@ -47,19 +57,35 @@ class _Predictor:
         seen = all(fresh[joint] for joint in self._seen)
         if gap or not seen:
             self._horde.cut()
+        self._arrived = None
         if not seen:
             return None
         features = self._representation.features([state.joints[joint].position for joint in self._seen])
         positions = [
             joint.position if new else math.nan for joint, new in zip(state.joints, fresh, strict=True)
         ]
-        return self._horde.step(features, positions)
+        self._arrived, self._first = (features, positions), first
+        return self._horde.step(features, positions, has_time, [first] if first else [])
+
+    @property
+    def diverged(self) -> bool:
+        """Whether a learner has ever had to begin anew."""
+        return any(self._horde.resets)
+
+    def rest(self, has_time: HasTime) -> tuple[Prediction, ...]:
+        """Predictions from the same reading at all other timescales."""
+        if self._arrived is None:
+            return ()
+        others = [timescale for timescale in self.timescales if timescale != self._first]
+        return self._horde.step(*self._arrived, has_time, others)
 
 
 class Mind:
     """Learners and assist of the arm, either of which the config may leave out.
 
-    Learning goes on in every mode that reads the joints: the arm is watched, whoever moves it.
+    Learning goes on in every mode that reads the joints: the arm is watched, whoever moves it. Before the
+    servos are written only the timescale that the assist follows is updated; the others are afterwards, the
+    shortest first. Those for which a tick has no time any more still predict, but learn nothing.
     """
 
     def __init__(
@@ -74,15 +100,29 @@ class Mind:
         self._predictor = _Predictor(specs, learn) if learn else None
         self._group = assist.group if assist else ""
         self._dpcc = Dpcc(specs, rate_hz, _settings(assist, len(specs))) if assist else None
-        self._predictions: tuple[Prediction, ...] = ()
+        self._predictions: dict[tuple[int, float], Prediction] = {}
         self._usable = False
         self._broken = ""
+        self._diverged = False
+        self.budget = learn.budget / rate_hz if learn else 0.0
+        """s from a tick's deadline, after which nothing is to be learned in it any more."""
 
-    def predict(self, state: State, gap: bool) -> None:
-        """Learn from a reading and predict. `gap`: ticks were missed since the last one."""
-        answers = self._answers(state, gap)
-        self._usable = answers is not None
-        self._predictions = answers or self._predictions
+    @property
+    def shed(self) -> int:
+        """Updates of learners left out for lack of time, since the start."""
+        return self._predictor.shed if self._predictor else 0
+
+    def predict(self, state: State, gap: bool, has_time: HasTime = unhurried) -> None:
+        """Learn and predict what the assist follows. `gap`: ticks were missed since the last reading."""
+        first = self._dpcc.settings.timescale if self._dpcc else None
+        self._usable = self._have(lambda predictor: predictor.step(state, gap, first, has_time))
+
+    def learn(self, has_time: HasTime = unhurried) -> None:
+        """Learn and predict the rest, from the reading that was last predicted from."""
+        self._have(lambda predictor: predictor.rest(has_time))
+        if self._predictor and self._predictor.diverged and not self._diverged:
+            _log.warning("A learner was not finite any more, and began anew.")
+        self._diverged = self._predictor is not None and self._predictor.diverged
 
     def assist(self, state: State, moving: Collection[int]) -> Assistance:
         """What to ask of unattended joints while the operator moves the joints `moving`."""
@@ -92,21 +132,24 @@ class Mind:
             return Assistance({}, AssistFrame("off", False, self._broken))
         group = self._groups.group(self._group)
         attended = [joint for joint in (group.active, *group.joints) if joint in moving]
-        expected = at_timescale(self._predictions, self._dpcc.settings.timescale) if self._usable else {}
+        usable = self._predictions.values() if self._usable else ()
+        expected = at_timescale(usable, self._dpcc.settings.timescale)
         positions = [joint.position for joint in state.joints]
         first = attended[0] if attended else None
         return self._dpcc.wish(state.time, first, group.joints, positions, expected)
 
-    def _answers(self, state: State, gap: bool) -> tuple[Prediction, ...] | None:
-        """New predictions, if there are any to be had. A learner that breaks is left alone from then on."""
+    def _have(self, predict: Callable[[_Predictor], tuple[Prediction, ...] | None]) -> bool:
+        """Take in new predictions, if there are any. A learner that breaks is left alone from then on."""
         if self._predictor is None or self._broken:
-            return None
+            return False
         try:
-            return self._predictor.step(state, gap)
+            answers = predict(self._predictor)
         except Exception as error:  # noqa: BLE001 -- whatever a learner does, control goes on without it
             self._broken = f"Learning broke and is off: {type(error).__name__}: {error}"
             _log.exception("learning broke and is off")
-            return None
+            return False
+        self._predictions.update({(answer.joint, answer.timescale): answer for answer in answers or ()})
+        return answers is not None
 
     def toggled(self, now: float) -> None:
         """The active joint of a group has changed."""
@@ -115,7 +158,9 @@ class Mind:
 
     def predictions(self, joint: int) -> dict[str, float]:
         """The newest predictions of one joint (rad), by timescale in steps."""
-        return {f"{p.timescale:g}": p.position for p in self._predictions if p.joint == joint}
+        asked = [(joint, timescale) for timescale in self._predictor.timescales] if self._predictor else []
+        known = [self._predictions[question] for question in asked if question in self._predictions]
+        return {f"{prediction.timescale:g}": prediction.position for prediction in known}
 
     def describe(self) -> dict[str, Value]:
         """The assist's parameters as clients see them."""

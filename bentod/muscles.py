@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from bentod.config_tables import Pair
 from bentod.config_tables import Site as SiteConfig
+from bentod.control.operators import Asked
 from bentod.control.proportional import Proportional, Site, difference
 from bentod.control.switching import ToggleSite, Toggling
 from bentod.emg.feed import Feed
@@ -19,6 +20,11 @@ class Look:
     efforts: Mapping[str, float]  # by group, -1..1
     toggles: Sequence[str]  # groups, once for each toggle
     frame: EmgFrame
+
+    @property
+    def asked(self) -> Asked:
+        """What they ask of the groups."""
+        return Asked(self.efforts, self.toggles)
 
 
 _FIELDS = {"threshold": "threshold_v", "maximum": "max_v"}
@@ -48,7 +54,7 @@ class Muscles:
     def look(self, now: float) -> Look:
         """Work through every sample since the last look; `now`: monotonic s.
 
-        A source that is dead, late or not finite moves nothing, and starts from rest when it is back.
+        A source that is dead, late, lifeless or not finite moves nothing, and starts from rest after it.
         """
         if self._feed is None:
             return Look(
@@ -56,7 +62,7 @@ class Muscles:
             )
         samples = self._feed.since(self._next)
         self._next = self._feed.ring.next_index
-        problem = self._feed.problem(now)
+        problem = self._feed.problem(now) or self._lifeless(self._feed)
         if problem:
             self._proportional.reset()
             self._toggling.reset()
@@ -108,6 +114,11 @@ class Muscles:
         self._proportional.sites = tuple(sites.values())
         self._set_toggle_sites()
 
+    def _lifeless(self, feed: Feed) -> str:
+        """Why a site that is above its threshold is no muscle's; empty when all may be."""
+        reasons = (feed.lifeless(s.channel, s.threshold / s.gain) for s in self._proportional.sites)
+        return next(filter(None, reasons), "")
+
     def _set_toggle_sites(self) -> None:
         named = {pair.toggle for pair in self._pairs}
         self._toggling.sites = tuple(
@@ -117,9 +128,11 @@ class Muscles:
         )
 
     def _by_group(self, efforts: Mapping[str, float]) -> dict[str, float]:
-        return {
-            pair.group: difference(efforts[pair.positive], efforts[pair.negative]) for pair in self._pairs
-        }
+        """Pairs of one group add up, as the sites of a pair do: each works alone, and opposites cancel."""
+        sums = dict.fromkeys((pair.group for pair in self._pairs), 0.0)
+        for pair in self._pairs:
+            sums[pair.group] += difference(efforts[pair.positive], efforts[pair.negative])
+        return {group: min(max(effort, -1.0), 1.0) for group, effort in sums.items()}
 
     def _frame(self, now: float, problem: str, efforts: Mapping[str, float]) -> EmgFrame:
         feed = self._feed

@@ -63,6 +63,7 @@ COMMANDS = {
     "doctor": "drivers.dynamixel.doctor.command:doctor",
     "servo": "drivers.dynamixel.provision.command:servo",
     "calibrate": "bentod.cli.calibrate:calibrate",
+    "bench": "bentod.cli.bench:bench",
     "sim-bus": "sim.bus_process:sim_bus",
     "sim-can": "sim.can.process:sim_can",
 }

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from bentod.control.arbiter import Decision, asked_of
+from bentod.control.groups import Group
 from bentod.desk import Desk
 from bentod.frames import (
     AssistFrame,
@@ -61,26 +62,30 @@ def frame(stamp: Stamp, desk: Desk, deed: Deed) -> Frame:
         fault=desk.modes.fault,
         joints=tuple(_joint(joint, desk, deed) for joint in range(len(desk.specs))),
         emg=deed.look.frame,
-        groups=tuple(
-            GroupFrame(
-                group.name,
-                tuple(desk.specs[joint].name for joint in group.joints),
-                desk.specs[group.active].name,
-                deed.look.efforts.get(group.name, 0.0),
-                "",
-            )
-            for group in desk.groups
-        ),
+        groups=tuple(_group(group, desk) for group in desk.groups),
         assist=deed.assist,
         goal=desk.goals.frame,
         meta=desk.meta,
     )
 
 
+def _group(group: Group, desk: Desk) -> GroupFrame:
+    operator, effort = desk.driver(group)
+    names = tuple(desk.specs[joint].name for joint in group.joints)
+    return GroupFrame(group.name, names, desk.specs[group.active].name, effort, operator)
+
+
 def faulted(last: Frame, tick: int, due: float, fault: str) -> Frame:
     """A tick that broke (due: monotonic s): what was last known, in fault, and everything told to stop."""
     joints = tuple(
-        replace(joint, mode=Mode.FAULT, asked={}, holder=Mode.FAULT, sent=Stop() if joint.torque else None)
+        replace(
+            joint,
+            mode=Mode.FAULT,
+            asked={},
+            holder=Mode.FAULT,
+            sent=Stop() if joint.torque else None,
+            limited="",
+        )
         for joint in last.joints
     )
     return replace(last, tick=tick, time=due, mode=Mode.FAULT, fault=fault, joints=joints)
@@ -88,7 +93,7 @@ def faulted(last: Frame, tick: int, due: float, fault: str) -> Frame:
 
 def _joint(joint: int, desk: Desk, deed: Deed) -> JointFrame:
     reading = deed.state.joints[joint]
-    holder = deed.decided[joint].holder
+    holder, client = deed.decided[joint].holder, desk.clients.holder(joint)
     return JointFrame(
         name=desk.specs[joint].name,
         mode=desk.modes.of(joint),
@@ -103,8 +108,8 @@ def _joint(joint: int, desk: Desk, deed: Deed) -> JointFrame:
         errors=reading.errors,
         stop=reading.stop,
         asked=asked_of(joint, deed.wishes),
-        holder=f"client:{desk.clients.holder(joint)}" if holder == "client" else holder,
+        holder=f"client:{client.client if client else ''}" if holder == "client" else holder,
         sent=deed.sent[joint],
-        limited="",
+        limited=desk.limiter.limited[joint],
         predictions=desk.mind.predictions(joint),
     )

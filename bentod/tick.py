@@ -3,24 +3,49 @@
 import asyncio
 import logging
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
+from typing import TypeVar
 
 from bentod.contracts import Clock, Joints
-from bentod.control.arbiter import Decision, arbitrate, attended
-from bentod.control.limits import limit
+from bentod.control.arbiter import OPERATORS, Decision, arbitrate, attended
+from bentod.control.recency import HELD_UP
 from bentod.desk import Desk
-from bentod.errors import BusError
-from bentod.frames import Command, Costs, Event, Frame, State, Stop, Wishes
+from bentod.errors import BentodError, BusError
+from bentod.frames import Command, Event, Frame, State, Stop, Wishes
 from bentod.inbox import Inbox, Seam
+from bentod.pace import Pace
+from bentod.realtime import Upkeep
 from bentod.report import Deed, Stamp, faulted, frame
 
 _log = logging.getLogger(__name__)
 
+T = TypeVar("T")
+
 Publish = Callable[[Frame, Sequence[Event], bool], None]
 """Where a tick's frame and events go, and whether the tick was whole. Must not wait and must not raise."""
 
+LONGEST = 3
+"""Periods that count as passed at most when velocities change: a tick that comes late is no run-up."""
+
 AT_REST = 0.02
 """Rad/s; the least speed that an MX servo reports is 0.012."""
+
+ANSWER = 0.5
+"""s that a driver has for a round of reading or for a write. All of ours take less than a period."""
+
+SWITCH = 1.0
+"""s that it has to switch torque or to clear errors: each servo is asked a dozen things, one by one."""
+
+LETTING_GO = 3
+"""Ticks in which the arm is made limp at the end: one servo may have missed the first."""
+
+QUIET = 60.0
+"""s between two tracebacks in the log of errors of one type."""
+
+
+def never_slept() -> float:
+    """Seconds in which the machine was suspended, where nobody counts them."""
+    return 0.0
 
 
 class Controller:
@@ -34,7 +59,10 @@ class Controller:
         clock: Clock,
         rate_hz: float,
         publish: Publish,
+        upkeep: Upkeep | None = None,
+        slept: Callable[[], float] = never_slept,
     ) -> None:
+        """`slept`: s that the machine has been suspended so far, which `clock` does not count."""
         self._joints = joints
         self._desk = desk
         self._inbox = inbox
@@ -43,8 +71,15 @@ class Controller:
         self._period = 1 / rate_hz
         self._due = 0.0
         self._gap = False
-        self._broken = ""
+        self._broken = False
+        self._quiet_until: dict[str, float] = {}
+        self._slept = slept
+        self._slept_before = slept()
         self._publish = publish
+        upkeep = upkeep or Upkeep()
+        self._collector = upkeep.collector
+        self._gate = upkeep.gate
+        self._pace = Pace(clock, self._period, desk.mind.budget, upkeep.lookout)
         self._seam = Seam([])
         self._torque = joints.torque()
         self._newest: Frame | None = None
@@ -54,39 +89,41 @@ class Controller:
 
     async def tick(self, due: float, gap: bool) -> None:
         """One tick, due at `due` (monotonic s); `gap`: ticks just before it were missed."""
-        lateness = self._clock.now() - due
-        desk = self._desk
+        desk, pace = self._desk, self._pace
+        pace.begin(due)
         await asyncio.sleep(0)  # requests that have been read from the socket get to the seam
         desk.begin(self._clock.now())
+        self._notice_sleep()
         self._seam = self._inbox.take()
         self._seam.serve(desk)
 
-        state = await self._joints.read()
+        pace.enter("read")
+        state = await _answered("reading", self._joints.read(), ANSWER)
+        pace.enter("think")
         now = self._clock.now()
         desk.watch(state, now)
-
         look = desk.muscles.look(now)
         wishes: dict[str, Wishes] = {
-            "emg": desk.operator(look.efforts, look.toggles),
+            **desk.operate({"emg": look.asked}),
             "client": desk.clients.wishes(),
             "home": desk.goals.wishes(),
         }
-        desk.mind.predict(state, gap)
-        assistance = desk.mind.assist(state, attended(("emg", "client"), wishes, desk.modes))
+        desk.mind.predict(state, gap, pace.has_time)
+        assistance = desk.mind.assist(state, attended((*OPERATORS, "client"), wishes, desk.modes))
         wishes["assist"] = assistance.wishes
-
         decided = arbitrate(wishes, desk.modes, len(desk.specs))
-
         sent = self._limited(decided, state)
 
-        await self._joints.write(sent)
+        pace.enter("write")
+        await _answered("writing", self._joints.write(sent), ANSWER)
         await self._clear_errors()
         await self._switch_torque()
+        pace.enter("think")
+        desk.mind.learn(pace.has_time)
 
-        stamp = Stamp(
-            self._ticks, due, self._clock.wall(), lateness, self._missed, self._rate_hz, Costs(0, 0, 0, 0), 0
-        )
-        self._newest = frame(stamp, desk, Deed(state, look, wishes, assistance.frame, decided, sent))
+        pace.enter("publish")
+        deed = Deed(state, look, wishes, assistance.frame, decided, sent)
+        self._newest = frame(self._stamp(due), desk, deed)
         self._publish(self._newest, desk.journal.take(), True)
         self._seam.answer(self._newest)
 
@@ -115,79 +152,138 @@ class Controller:
             await self._once()
         if limp:
             self._desk.torque(range(len(self._desk.specs)), False)
-            await self._once()
+            await self._let_go()
         return self._joints.torque()
+
+    async def _let_go(self) -> None:
+        for _ in range(LETTING_GO):
+            await self._once()
+            if not any(self._joints.torque()):
+                return
 
     async def _once(self) -> None:
         """Wait for the next deadline that has not passed, and tick."""
         await self._clock.sleep_until(self._due)
-        await self._survive(self._due, self._gap)
+        with self._gate.shut():
+            await self._survive(self._due, self._gap)
         self._ticks += 1
         self._due, skipped = next_deadline(self._due, self._period, self._clock.now())
         self._missed += skipped
-        self._gap = skipped > 0 or self._broken != ""
+        self._gap = skipped > 0 or self._broken
+        late = self._pace.end(self._due, skipped)
+        if late:
+            self._desk.journal.note("late", late.text, late.data)
+        self._collector.collect(self._due)
+
+    def _stamp(self, due: float) -> Stamp:
+        pace, wall = self._pace, self._clock.wall()
+        shed = self._desk.mind.shed
+        return Stamp(self._ticks, due, wall, pace.lateness, self._missed, self._rate_hz, pace.costs, shed)
+
+    def _notice_sleep(self) -> None:
+        """Whoever wakes from a suspend knows nothing of the arm: it is stopped, and requests may be old."""
+        slept, before = self._slept(), self._slept_before
+        self._slept_before = slept
+        if slept - before > HELD_UP:
+            self._desk.woke(slept - before)
 
     async def _survive(self, due: float, gap: bool) -> None:
         """A tick that breaks is a fault, not the end: joints stop, clients are told, the loop goes on."""
         try:
             await self.tick(due, gap)
-            self._broken = ""
+            self._broken = False
         except Exception as error:  # noqa: BLE001 -- whatever broke, the arm must be stopped
-            reason = f"internal error in the tick: {type(error).__name__}: {error}"
-            if reason != self._broken:
-                _log.exception("tick %d broke", self._ticks)
-            self._broken = reason
+            self._broken = True
+            self._report(error, "broke")
+            reason = _reason(error)
+            self._desk.to_clear = ()
             self._desk.fault(reason)
             self._seam.refuse(reason)
             await self._stop_blindly()
 
     async def _stop_blindly(self) -> None:
-        """Stop every joint and publish the fault, with as little as possible that could break, too."""
-        try:
-            await self._joints.write([Stop() if on else None for on in self._joints.torque()])
-            await self._switch_torque()
-            if self._newest:
-                self._newest = faulted(self._newest, self._ticks, self._due, self._desk.modes.fault)
-                self._publish(self._newest, self._desk.journal.take(), False)
-        except Exception:  # noqa: BLE001 -- the next tick tries again
-            _log.exception("tick %d could not be stopped cleanly", self._ticks)
+        """Stop every joint, switch what is to lose torque, tell: each of it although the others break."""
+        for step in (self._write_stops, self._switch_torque, self._tell_fault):
+            try:
+                await step()
+            except Exception as error:  # noqa: BLE001 -- the next tick tries again
+                self._report(error, "could not be ended cleanly")
+
+    async def _write_stops(self) -> None:
+        stops = [Stop() if on else None for on in self._joints.torque()]
+        await _answered("writing", self._joints.write(stops), ANSWER)
+
+    async def _tell_fault(self) -> None:
+        if self._newest:
+            self._newest = faulted(self._newest, self._ticks, self._due, self._desk.modes.fault)
+            self._publish(self._newest, self._desk.journal.take(), False)
+
+    def _report(self, error: Exception, what: str) -> None:
+        """Log a traceback, but not thirty times a second."""
+        kind, now = type(error).__name__, self._clock.now()
+        if now >= self._quiet_until.get(kind, -math.inf):
+            self._quiet_until[kind] = now + QUIET
+            _log.error("tick %d %s", self._ticks, what, exc_info=error)
 
     async def _clear_errors(self) -> None:
         """Have servos clear their errors, if that was asked; they may be limp afterwards."""
-        if self._desk.to_clear:
-            self._desk.errors_cleared(await self._joints.clear_errors(self._desk.to_clear))
+        desk = self._desk
+        joints, desk.to_clear = desk.to_clear, ()
+        if joints:
+            needs = await _answered("clearing errors", self._joints.clear_errors(joints), SWITCH)
+            if needs is None:
+                desk.to_clear = joints
+            else:
+                desk.errors_cleared(needs)
             self._torque = self._joints.torque()
-            self._desk.torque_confirmed(self._torque)
+            desk.torque_confirmed(self._torque)
 
     async def _switch_torque(self) -> None:
         """The only way to the servos' torque: carry out what `Modes` notes, and report what came of it.
 
         A servo that lost or gained torque by itself (it was rebooted, its power was cut) is believed, not
-        corrected: only a request may arm a joint.
+        corrected: only a request may arm a joint. What is to lose torque is told so until that is confirmed.
         """
-        found = self._joints.torque()
+        desk, found = self._desk, self._joints.torque()
         if found != self._torque:
-            self._desk.torque_found(found)
-        elif self._desk.modes.wanted_torque != found:
-            try:
-                await self._joints.set_torque(self._desk.modes.wanted_torque)
-            except BusError as error:
-                self._desk.torque_failed(str(error))
-            self._desk.torque_confirmed(self._joints.torque())
-        self._torque = self._joints.torque()
+            desk.torque_found(found)
+            self._torque = found
+        if desk.modes.wanted_torque == found:
+            return
+        try:
+            switch = self._joints.set_torque(desk.modes.wanted_torque)
+            await _answered("switching torque", switch, SWITCH)
+        except BusError as error:
+            desk.torque_failed(str(error))
+        finally:
+            self._torque = self._joints.torque()
+            desk.torque_confirmed(self._torque)
 
     def _limited(self, decided: Sequence[Decision], state: State) -> list[Command | None]:
         """What is sent: within limits, and nothing that moves a joint whose reading is too old."""
-        old = self._desk.rules.ladder.too_old_to_move(state)
-        commands = [
-            Stop() if joint in old and decision.command else decision.command
-            for joint, decision in enumerate(decided)
-        ]
-        return list(map(limit, commands, self._desk.specs, state.joints))
+        return self._desk.limiter.limit(decided, state, LONGEST * self._period)
 
     def _moves(self) -> bool:
         state = self._desk.state
         return state is not None and any(abs(joint.velocity) > AT_REST for joint in state.joints)
+
+
+async def _answered(what: str, call: Awaitable[T], patience: float) -> T:
+    """What the driver answers. Raises BusError: it took longer than `patience` (s) and was given up."""
+    try:
+        async with asyncio.timeout(patience) as bound:
+            return await call
+    except TimeoutError as error:
+        if not bound.expired():
+            raise
+        raise BusError(f"the driver does not answer: {what} took longer than {patience:g} s") from error
+
+
+def _reason(error: Exception) -> str:
+    """A fault's, for an error that broke a tick."""
+    if isinstance(error, BentodError):
+        return str(error)
+    return f"internal error in the tick: {type(error).__name__}: {error}"
 
 
 def next_deadline(due: float, period: float, now: float) -> tuple[float, int]:

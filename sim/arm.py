@@ -101,6 +101,8 @@ class Arm:
         self.plugged = True
         self.noise = 0.0
         """Chance that a packet on the line is lost, and as much again that a byte of it flips."""
+        self.latency = 0.0
+        """s by which every reply on the line is late."""
         self._watchers: list[Callable[[bool], None]] = []
         self._offered: dict[str, Inject] = {}
 

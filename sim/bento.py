@@ -18,7 +18,7 @@ from sim.dynamixel.models import TABLES, build_device
 from sim.options import Options
 from sim.servo import Servo
 from sim.servo_models import MX_SCALE, SERVO_MODELS
-from sim.shaft import Link
+from sim.shaft import Link, Stand
 
 STOP_MARGIN = 0.02
 """rad from a joint's limit to its hard stop, assumed."""
@@ -74,7 +74,11 @@ def build_arm(config: ArmConfig, options: Options, time: float) -> Arm:
     Raises:
         ConfigError: a joint's hardware is not described well.
     """
-    return Arm([_servo(spec, parse_hardware(spec), options) for spec in config.joints], time)
+    arm = Arm([_servo(spec, parse_hardware(spec), options) for spec in config.joints], time)
+    stand = Stand(options.stand)
+    for servo in arm.servos:
+        servo.stand = stand
+    return arm
 
 
 def build_bus(arm: Arm, config: ArmConfig, options: Options, timing: bool = True) -> Bus:

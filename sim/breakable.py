@@ -29,7 +29,7 @@ class Breakable:
         """See `bentod.contracts.Joints`."""
         return self._joints.torque()
 
-    async def clear_errors(self, joints: Sequence[int]) -> tuple[str, ...]:
+    async def clear_errors(self, joints: Sequence[int]) -> tuple[str, ...] | None:
         """See `bentod.contracts.Joints`."""
         return await self._joints.clear_errors(joints)
 

@@ -5,6 +5,8 @@ import selectors
 from collections.abc import Coroutine
 from typing import TypeVar
 
+from bentod.contracts import Clock
+
 T = TypeVar("T")
 
 EPOCH = 1_700_000_000.0
@@ -40,6 +42,10 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         """Virtual seconds."""
         return self._jumping.now
 
+    def block(self, seconds: float) -> None:
+        """Let time pass in which nobody gets a turn, as a callback does that computes for so long."""
+        self._jumping.now += seconds
+
 
 class VirtualClock:
     """The clock of a VirtualLoop; also tells a plain loop's time, for tests that need real sockets."""
@@ -64,6 +70,37 @@ class VirtualClock:
             await reached
         finally:
             timer.cancel()
+
+
+class DriftingClock:
+    """A clock of a device's own: right at first, and fast from then on by a share that may change."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._drift = 0.0
+        self._then = self._shown = clock.now()
+
+    @property
+    def drift(self) -> float:
+        """Share by which it is fast, negative if it is slow. It never jumps."""
+        return self._drift
+
+    @drift.setter
+    def drift(self, share: float) -> None:
+        self._shown, self._then = self.now(), self._clock.now()
+        self._drift = share
+
+    def now(self) -> float:
+        """Seconds as this clock counts them."""
+        return self._shown + (self._clock.now() - self._then) * (1 + self._drift)
+
+    def wall(self) -> float:
+        """Seconds since the epoch, of the true clock."""
+        return self._clock.wall()
+
+    async def sleep_until(self, deadline: float) -> None:
+        """Return once this clock shows `deadline` (s)."""
+        await self._clock.sleep_until(self._then + (deadline - self._shown) / (1 + self._drift))
 
 
 def run(main: Coroutine[object, object, T]) -> T:

@@ -1,6 +1,6 @@
 """A source of simulated muscle signals, which can be broken on purpose."""
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Collection, Mapping
 from contextlib import asynccontextmanager
 
 import numpy as np
@@ -10,6 +10,7 @@ from bentod.errors import ConfigError
 from bentod.frames import EmgBlock, Samples
 from drivers.emg.options import parse
 from drivers.emg.pacing import Pacer, Slot
+from sim.clock import DriftingClock
 from sim.emg_wearer import TOGGLE, Options, Wearer
 
 RATES_HZ = (50.0, 10_000.0)
@@ -17,6 +18,12 @@ RATES_HZ = (50.0, 10_000.0)
 
 MOST_VALUES = 5e6
 """Samples times channels of one lap of the program, which is held in memory."""
+
+RAIL = 1e-3
+"""V at which the converter ends."""
+
+DRIVEN = 1e4
+"""Amplification of a channel that is saturated: even a muscle at rest is at the rails."""
 
 
 class Synthetic:
@@ -31,16 +38,37 @@ class Synthetic:
         """Every sample is not a number."""
         self.end = False
         """The source ends."""
+        self.stuck: Mapping[int, float] = {}
+        """V, by channel that gives nothing else."""
+        self.saturated: Collection[int] = ()
+        """Channels that are driven to both rails."""
+        self.late = 0.0
+        """s by which blocks come later than they could, with the times at which they were taken."""
+        self.relaxed = False
+        """The wearer is at rest, whatever the program says."""
         self._wearer = Wearer(options, rate_hz, channels)
-        self._pacer = Pacer(clock, rate_hz, options.block_s, options.buffer_s)
+        self._resting = Wearer(options.model_copy(update={"full_v": 0.0}), rate_hz, channels)
+        self._own = DriftingClock(clock)
+        self._pacer = Pacer(self._own, rate_hz, options.block_s, options.buffer_s)
         self._dropout = options.dropout
         self._lost = 0  # samples since the last block that arrived
         self._random = np.random.default_rng([options.seed, 2])
+
+    @property
+    def drift(self) -> float:
+        """Share by which the source's own clock is fast, from which it takes its rate and its time stamps."""
+        return self._own.drift
+
+    @drift.setter
+    def drift(self, share: float) -> None:
+        self._own.drift = share
 
     async def __aiter__(self) -> AsyncIterator[EmgBlock]:
         """Blocks at their deadlines, for ever unless `end` is set."""
         while True:
             slot = await self._pacer.next()
+            if self.late:
+                await self._own.sleep_until(slot.time + slot.size / self.rate_hz + self.late)
             if self.end:
                 return
             self._lost += slot.dropped
@@ -51,7 +79,11 @@ class Synthetic:
             yield EmgBlock(slot.first, slot.time, self._read(slot), lost)
 
     def _read(self, slot: Slot) -> Samples:
-        samples = self._wearer.read(slot.first, slot.size)
+        samples = (self._resting if self.relaxed else self._wearer).read(slot.first, slot.size)
+        for channel in self.saturated:
+            samples[:, channel] = np.clip(DRIVEN * samples[:, channel], -RAIL, RAIL)
+        for channel, volts in self.stuck.items():
+            samples[:, channel] = volts
         if self.nan:
             samples[:] = np.nan
         return samples

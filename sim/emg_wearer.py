@@ -26,6 +26,7 @@ class Step(NamedTuple):
 
 
 CIRCUIT = (
+    Step(POSITIVE, 0.0, 0.8),  # whoever is to move an arm that is released must be seen at rest first
     Step(POSITIVE, 1.0, 1.2),  # joint A there
     Step(POSITIVE, 0.0, 0.6),
     Step(TOGGLE, 1.0, 0.2),
@@ -37,7 +38,6 @@ CIRCUIT = (
     Step(TOGGLE, 1.0, 0.2),
     Step(TOGGLE, 0.0, 0.4),
     Step(NEGATIVE, 1.0, 1.2),  # joint A back
-    Step(NEGATIVE, 0.0, 0.8),
 )
 """There and back with a group of two joints, in the order of thesis 5.4: 8.8 s, two toggles, no net way."""
 

@@ -75,7 +75,7 @@ class Line:
 
     def _return(self, at: float, reply: bytes) -> None:
         for chunk in self._disturb(reply):
-            self._send(at + self.latency + self.delay, chunk)
+            self._send(at + self.latency + self.delay + self._arm.latency, chunk)
 
     def _send(self, at: float, chunk: bytes) -> None:
         def arrive() -> None:

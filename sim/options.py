@@ -31,6 +31,9 @@ class Options(BusOptions):
     """Of the room, degrees Celsius."""
     start_rad: dict[str, Angle] = Field(default_factory=dict)
     """By joint: where it is at the start; a joint that is not named is at home."""
+    stand: bool = True
+    """Whether it stands on something until a joint is first given torque, as a real arm should: a servo's
+    gears do not hold it. Without, it falls from the start."""
     limits_rad: dict[str, Limits] = Field(default_factory=dict)
     """By joint: what its servo holds as its limits; those of a joint that is not named are the config's."""
     usb_latency_s: float = Field(0.001, ge=0, le=0.05)

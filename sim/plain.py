@@ -62,6 +62,10 @@ class PlainJoint:
             shut_down=bool(servo.shutdown),
         )
 
+    def place(self) -> float:
+        """Where it is (rad), of three readings the middle one: one alone may be a glitch."""
+        return sorted(self.sample().position for _ in range(3))[1]
+
     def aged(self, state: JointState, age: float) -> JointState:
         """The last sample, `age` (s) later and without an answer since."""
         lost = age > self._lost_after
@@ -152,7 +156,7 @@ class PlainJoints:
             if not self._reaches(joint):
                 silent.append(joint.spec.name)
             elif joint.torque is not wanted:
-                joint.set_torque(wanted, joint.sample().position)
+                joint.set_torque(wanted, joint.place())
         if silent:
             raise BusError(f"Torque not confirmed by {', '.join(silent)}: no reply.")
 

@@ -265,6 +265,7 @@ class Servo(Shaft):
 
     def _drive(self, dt: float, duty: float) -> None:
         """DC motor, back-EMF implicit: i = (duty·V − kt·ω)/R, τ = kt·i."""
+        self.stand.there = False
         voltage = duty * (self.supply - CABLE * abs(self.current))
         self._turn(dt, voltage * self._torque_per_volt, self._back_emf)
         self.duty = duty

@@ -15,6 +15,13 @@ class Link:
     high: float = pi  # rad, hard stop
 
 
+@dataclass(slots=True)
+class Stand:
+    """What keeps an arm where it is until one of its joints is first driven; then it is taken away."""
+
+    there: bool = False
+
+
 class Shaft:
     """A turning mass. Positions in rad, 0 at the centre, counter-clockwise positive."""
 
@@ -24,6 +31,7 @@ class Shaft:
         self.position = position
         self.velocity = 0.0
         self.stuck = False
+        self.stand = Stand()
         self.obstacle = inf
         """rad: it gets no farther than this, as fingers do around an object."""
         self._inertia = armature + link.inertia
@@ -40,7 +48,7 @@ class Shaft:
             torque += link.gravity * sin(link.rest - self.position)
         momentum = self._inertia * self.velocity + dt * torque
         grip = dt * self._coulomb
-        if self.stuck or -grip <= momentum <= grip:
+        if self.stuck or self.stand.there or -grip <= momentum <= grip:
             self.velocity = 0.0
             return
         momentum -= copysign(grip, momentum)

@@ -4,8 +4,12 @@ import asyncio
 from collections.abc import Callable, Mapping
 
 import pytest
+from hypothesis import settings
 
 from sim.clock import VirtualClock, VirtualLoop
+
+settings.register_profile("long", max_examples=6000, deadline=None)
+"""For `--hypothesis-profile=long`: what is drawn at random is drawn for as long as it takes."""
 
 
 def pytest_asyncio_loop_factories(

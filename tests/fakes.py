@@ -3,11 +3,13 @@
 import asyncio
 from collections.abc import Sequence
 
+from bentod.arm_state import Rules
+from bentod.contracts import Joints
 from bentod.control.groups import Groups
 from bentod.control.health import Ladder
 from bentod.control.leases import Holder
 from bentod.control.modes import Modes
-from bentod.desk import Desk, Rules
+from bentod.desk import Desk
 from bentod.frames import Command, Event, Frame, Freshness, JointSpec, JointState, State, Stop, Velocity
 from bentod.inbox import Inbox
 from bentod.mind import Mind
@@ -39,6 +41,13 @@ def desk_of(torque: Sequence[bool] = (True, True), mind: Mind | None = None) -> 
     modes = Modes([spec.name for spec in SPECS], torque)
     rules = Rules(LADDER, limp_on_fault=False, home_speed=0.35, lease_max=2.0)
     return Desk(SPECS, groups, modes, rules, Muscles(), mind or Mind(SPECS, 1 / PERIOD, groups))
+
+
+async def cleared(joints: Joints, which: Sequence[int]) -> tuple[str, ...]:
+    """What is needed besides, asked for in one tick after the other until all are done."""
+    while (needs := await joints.clear_errors(which)) is None:  # noqa: ASYNC110 -- so the tick asks, too
+        await asyncio.sleep(PERIOD)
+    return needs
 
 
 class FakeArm:

@@ -44,7 +44,7 @@ def test_every_mistake_is_told_at_once_with_file_key_value_and_bound() -> None:
     text = _changed("rate_hz = 30", "rate_hz = 5000").replace("min_rad = -1.347", "min_rad = 99")
     text = text.replace('exit = "limp"', 'exit = "fall"').replace("k = 0.025", "k = 2")
     problems = _problems(text)
-    assert any("rate_hz = 5000" in line and "500" in line for line in problems)
+    assert any("rate_hz = 5000" in line and "1000" in line for line in problems)
     assert any("joints.0.min_rad = 99" in line and "6.3" in line for line in problems)
     assert any("safety.exit = 'fall'" in line and "'hold'" in line for line in problems)
     assert any("assist.k = 2" in line for line in problems)

@@ -8,6 +8,7 @@ from bentod.client import Client
 from bentod.daemon import Daemon
 from bentod.endpoint import Disconnected, RpcError
 from bentod.errors import Refused
+from bentod.start import FALL
 from bentod.supervise import Supervisor
 from sim.clock import VirtualClock
 from tests.rig import PLAIN, joint, number, quiet_config, running, sim_config, state, table, tables, wait_for
@@ -173,7 +174,7 @@ async def test_servos_that_fall_silent_and_come_back_move_only_when_they_are_rel
 
 
 async def test_a_dead_emg_source_stops_the_arm_within_100_ms(socket: Path) -> None:
-    program = ('name = "synthetic"', 'name = "synthetic"\nprogram = [[0, 1.0, 60.0]]')
+    program = ('name = "synthetic"', 'name = "synthetic"\nprogram = [[0, 0.0, 2.0], [0, 1.0, 60.0]]')
     async with running(sim_config(PLAIN, program), socket) as arm:
         await wait_for(arm, lambda f: joint(f, "shoulder_rotation")["holder"] == "emg")
         await arm.call("emg_pause")
@@ -244,10 +245,31 @@ async def test_the_daemon_ends_with_a_limp_arm_and_no_socket(socket: Path) -> No
             pass
 
 
-async def test_a_servo_that_is_not_the_configured_one_is_told_before_anything_moves(socket: Path) -> None:
+async def test_an_arm_that_stands_outside_its_limits_at_the_start_is_told_and_stays_limp(
+    socket: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     start = ("seed = 1\n\n[safety]", "seed = 1\nstart_rad = { elbow_flexion = 1.2 }\n\n[safety]")
-    async with running(quiet_config(start), socket, mode="fault") as arm:
-        assert "elbow_flexion" in str((await state(arm))["fault"])
+    async with running(quiet_config(start), socket, mode="limp") as arm:
+        await asyncio.sleep(FALL + 1)
+        assert (await state(arm))["mode"] == "limp"
+    assert "elbow_flexion stands at 1.200 rad, 0.400 rad outside its limit of 0.800 rad" in caplog.text
+
+
+async def test_an_arm_that_falls_at_the_start_is_armed_once_it_has_come_to_rest(
+    socket: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level("INFO")
+    falling = ("seed = 1\n\n[safety]", "seed = 1\nstand = false\n\n[safety]")
+    async with running(quiet_config(falling), socket) as arm:
+        assert number(joint(await state(arm), "elbow_flexion"), "position") < -0.35
+    assert "waiting up to 5 s before the arm is armed: elbow_flexion moves at" in caplog.text
+
+
+async def test_an_arm_is_armed_where_it_stood_before(socket: Path) -> None:
+    async with running(quiet_config(), socket) as arm:
+        await asyncio.sleep(1)
+        positions = [number(entry, "position") for entry in tables(await state(arm), "joints")]
+        assert positions == pytest.approx([0.0] * 5, abs=0.02)
 
 
 async def test_a_servo_that_was_reset_is_limp_and_is_not_armed_again_by_itself(socket: Path) -> None:

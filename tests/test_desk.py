@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from bentod.control.leases import Holder
+from bentod.control.operators import Asked
 from bentod.desk import Desk
 from bentod.errors import BadRequest, Refused
 from bentod.frames import Mode, Position, Velocity
@@ -21,6 +22,7 @@ def desk() -> Desk:
     desk = desk_of()
     desk.watch(at(0.5, 0.5), 0.0)
     desk.pause((SHOULDER, ELBOW), False)
+    desk.operate({"emg": Asked({"arm": 0.0})})
     desk.journal.take()
     return desk
 
@@ -94,9 +96,9 @@ def test_a_joint_or_group_that_one_client_holds_is_refused_to_another(desk: Desk
 
 def test_of_one_clients_wishes_for_a_joint_the_last_one_holds(desk: Desk) -> None:
     desk.group_command("arm", 1.0, BOB, 1.0)
-    assert (desk.clients.wishes(), desk.clients.holder(SHOULDER)) == ({SHOULDER: Velocity(0.5)}, "bob")
+    assert (desk.clients.wishes(), desk.clients.holder(SHOULDER)) == ({SHOULDER: Velocity(0.5)}, BOB)
     desk.move(SHOULDER, Velocity(-0.1), BOB, 1.0)
-    assert (desk.clients.wishes(), desk.clients.holder(SHOULDER)) == ({SHOULDER: Velocity(-0.1)}, "bob")
+    assert (desk.clients.wishes(), desk.clients.holder(SHOULDER)) == ({SHOULDER: Velocity(-0.1)}, BOB)
 
 
 def test_all_wishes_of_a_client_go_with_it_and_nobody_elses(desk: Desk) -> None:
@@ -105,7 +107,7 @@ def test_all_wishes_of_a_client_go_with_it_and_nobody_elses(desk: Desk) -> None:
     desk.group_command("arm", 0.5, ANN, 1.0)
     desk.clients.vanish(ANN.session)
     assert desk.clients.wishes() == {ELBOW: Velocity(0.2)}
-    assert desk.clients.holder(SHOULDER) == ""
+    assert desk.clients.holder(SHOULDER) is None
 
 
 def test_a_groups_wish_ends_with_a_toggle(desk: Desk) -> None:
@@ -232,8 +234,8 @@ def test_homing_asks_each_joint_to_go_at_the_configured_speed(desk: Desk) -> Non
     [
         lambda desk: desk.move(SHOULDER, Velocity(0.1), ANN, 1.0),
         lambda desk: desk.group_command("arm", 0.1, ANN, 1.0),
-        lambda desk: desk.operator({"arm": 0.1}, ()),
-        lambda desk: desk.operator({}, ["arm"]),
+        lambda desk: desk.operate({"emg": Asked({"arm": 0.1})}),
+        lambda desk: desk.operate({"emg": Asked({}, ["arm"])}),
         lambda desk: desk.pause((SHOULDER,), True),
         lambda desk: desk.torque((SHOULDER,), True),
         lambda desk: desk.stop("ann"),
@@ -249,13 +251,59 @@ def test_any_sign_of_an_operator_ends_a_homing(desk: Desk, disturb: Callable[[De
 
 def test_muscles_at_rest_do_not_end_a_homing(desk: Desk) -> None:
     desk.go_home((SHOULDER,))
-    assert desk.operator({"arm": 0.0}, ()) == {}
+    assert desk.operate({"emg": Asked({"arm": 0.0})}) == {"emg": {}}
     assert desk.goals.wishes()
 
 
 def test_the_wearers_effort_moves_the_joint_that_they_have_just_switched_to(desk: Desk) -> None:
-    assert desk.operator({"arm": -0.5}, ["arm"]) == {ELBOW: Velocity(-0.25)}
+    assert desk.operate({"emg": Asked({"arm": -0.5}, ["arm"])}) == {"emg": {ELBOW: Velocity(-0.25)}}
     assert told(desk) == ["the wearer switched arm to elbow"]
+
+
+def test_a_client_takes_a_group_from_the_wearer_who_rests_before_driving_it_again(desk: Desk) -> None:
+    flexed = {"emg": Asked({"arm": 0.5})}
+    group = desk.groups.group("arm")
+    assert desk.driver(group) == ("", 0.0)
+    desk.operate(flexed)
+    assert desk.driver(group) == ("emg", 0.5)
+    desk.group_command("arm", -0.4, ANN, 1.0)
+    assert desk.operate(flexed) == {"emg": {}}
+    assert desk.driver(group) == ("client:ann", -0.4)
+    desk.clients.vanish(ANN.session)
+    assert desk.operate(flexed) == {"emg": {}}
+    assert desk.driver(group) == ("", 0.0)
+    desk.operate({"emg": Asked({"arm": 0.0})})
+    assert desk.operate(flexed) == {"emg": {SHOULDER: Velocity(0.25)}}
+
+
+def test_a_move_of_the_active_joint_takes_its_group_and_one_of_another_joint_does_not(desk: Desk) -> None:
+    flexed = {"emg": Asked({"arm": 0.5})}
+    desk.move(ELBOW, Velocity(0.1), ANN, 1.0)
+    assert desk.operate(flexed) == {"emg": {SHOULDER: Velocity(0.25)}}
+    desk.move(SHOULDER, Position(0.1, 0.1), ANN, 1.0)
+    assert desk.operate(flexed) == {"emg": {}}
+    assert desk.driver(desk.groups.group("arm")) == ("client:ann", 0.0)
+
+
+@pytest.mark.parametrize(
+    "switch",
+    [lambda desk: desk.toggle("arm", 1, "ann"), lambda desk: desk.activate("arm", "elbow", "ann")],
+)
+def test_a_joint_that_a_client_switched_to_does_not_start_with_the_wearers_old_effort(
+    desk: Desk, switch: Callable[[Desk], object]
+) -> None:
+    flexed = {"emg": Asked({"arm": 0.5})}
+    desk.operate(flexed)
+    switch(desk)
+    assert desk.operate(flexed) == {"emg": {}}
+    desk.operate({"emg": Asked({"arm": 0.0})})
+    assert desk.operate(flexed) == {"emg": {ELBOW: Velocity(0.25)}}
+
+
+def test_the_wearer_toggles_nothing_while_a_client_drives(desk: Desk) -> None:
+    desk.group_command("arm", 0.4, ANN, 1.0)
+    assert desk.operate({"emg": Asked({"arm": 0.0}, ["arm"])}) == {"emg": {}}
+    assert desk.groups.group("arm").active == SHOULDER
 
 
 def test_groups_are_described_and_their_joints_chosen_by_name(desk: Desk) -> None:

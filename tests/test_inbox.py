@@ -8,7 +8,7 @@ from bentod.desk import Desk
 from bentod.errors import BadRequest, Refused
 from bentod.frames import Frame
 from bentod.inbox import Answer, Inbox
-from tests.fakes import Bench, desk_of
+from tests.fakes import Bench, at, desk_of
 from tests.serve.helpers import frame
 
 
@@ -134,3 +134,55 @@ async def test_a_request_reaches_the_joints_in_the_next_tick() -> None:
     await bench.controller.run(1)
     answer = await asked
     assert (answer.frame.tick, answer.frame.meta) == (3, "hello")
+
+
+async def test_all_who_ask_for_a_stop_before_a_seam_share_one(inbox: Inbox, desk: Desk) -> None:
+    desk.watch(at(0.0, 0.0), 0.0)
+    stops = [asyncio.create_task(inbox.stop(f"client {n}")) for n in range(3)]
+    await asyncio.sleep(0)
+    seam = inbox.take()
+    later = asyncio.create_task(inbox.stop("a later one"))
+    await asyncio.sleep(0)
+    desk.pause((0, 1), False)
+    desk.journal.take()
+    seam.serve(desk)
+    assert [event.text for event in desk.journal.take()] == ["stopped by client 0"]
+    seam.answer(frame(1))
+    await asyncio.gather(*stops)
+    assert not later.done()
+    inbox.take().answer(frame(2))
+    await later
+
+
+async def test_a_stop_comes_last_and_so_has_the_last_word(inbox: Inbox, desk: Desk) -> None:
+    stop = asyncio.create_task(inbox.stop("a client"))
+    await asyncio.sleep(0)
+    inbox.post(lambda desk: desk.pause((0, 1), False))
+    seam = inbox.take()
+    seam.serve(desk)
+    seam.answer(frame(1))
+    await stop
+    assert desk.modes.arm == "paused"
+
+
+async def test_a_stop_is_answered_as_done_when_the_tick_breaks_or_the_daemon_ends(inbox: Inbox) -> None:
+    broken = asyncio.create_task(inbox.stop("a client"))
+    await asyncio.sleep(0)
+    inbox.take().refuse("internal error in the tick")
+    await broken
+    waiting = asyncio.create_task(inbox.stop("a client"))
+    await asyncio.sleep(0)
+    inbox.close("the daemon is ending")
+    await waiting
+    await inbox.stop("a client")
+
+
+async def test_a_stop_is_carried_out_although_whoever_asked_has_left(inbox: Inbox, desk: Desk) -> None:
+    desk.watch(at(0.0, 0.0), 0.0)
+    desk.pause((0, 1), False)
+    stop = asyncio.create_task(inbox.stop("a client"))
+    await asyncio.sleep(0)
+    stop.cancel()
+    await asyncio.sleep(0)
+    inbox.take().serve(desk)
+    assert desk.modes.arm == "paused"

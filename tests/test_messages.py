@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 from bentod.errors import BadRequest
 from bentod.frames import Mode, Prediction, Value
+from bentod.framing import BadFraming, Limits
 from bentod.messages import (
     GREATEST_ID,
-    BadFraming,
     Decoder,
-    Limits,
+    Memo,
     Message,
     Notification,
     Request,
@@ -142,9 +142,30 @@ def test_a_message_one_byte_too_long_is_refused_however_it_arrives() -> None:
 
 
 def test_a_message_that_never_ends_is_refused_when_it_is_too_long() -> None:
-    limits = Limits(size=1000, items=100)
+    limits = Limits(size=1000, items=10_000, depth=100)
     with pytest.raises(BadFraming, match="longer"):
         decode([b"\x93\x02\xa1x"] + [b"\xdc\x00\x64" + b"\xc0" * 99] * 20, limits)
+
+
+def test_the_daemon_too_is_believed_only_up_to_a_size() -> None:
+    stream = encode_notification("state", ["x" * 80])
+    assert len(decode([stream], Limits(size=len(stream), trusted=True))) == 1
+    for chunks in ([stream], [stream[:50], stream[50:]]):
+        with pytest.raises(BadFraming, match="longer"):
+            decode(chunks, Limits(size=len(stream) - 1, trusted=True))
+
+
+def test_what_the_daemon_sends_may_hold_many_values() -> None:
+    table: list[Value] = [{"joint": str(n), "values": [0.0] * 10} for n in range(1000)]
+    (message,) = decode([encode_notification("state", table)], Limits(size=2**20, items=4096, trusted=True))
+    assert message == Notification("state", table)
+
+
+def test_bytes_after_a_message_that_has_begun_are_counted() -> None:
+    decoder = Decoder()
+    stream = encode_notification("stop", [])
+    decoder.feed(stream + stream[:3])
+    assert (len(list(decoder)), decoder.pending, decoder.rest) == (1, 3, stream[:3])
 
 
 def test_a_text_that_promises_too_much_is_refused_when_it_is_too_long() -> None:
@@ -207,3 +228,10 @@ def test_other_objects_are_refused_by_name() -> None:
 def test_an_error_is_a_map_of_code_message_and_field() -> None:
     error: Value = {"code": "bad_request", "message": "Too fast.", "field": "velocity"}
     assert decode([encode_error(3, BadRequest("Too fast.", "velocity"))]) == [Response(3, error, None)]
+
+
+def test_a_value_that_many_ask_for_is_packed_once_and_answered_as_ever() -> None:
+    memo, value = Memo(), {"joints": [1, 2.5, None]}
+    assert memo.of(value) is memo.of(value)
+    assert encode_result(7, memo.of(value)) == encode_result(7, value)
+    assert memo.of({"joints": []}) == pack({"joints": []})

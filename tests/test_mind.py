@@ -26,6 +26,7 @@ def watch(mind: Mind, shoulder: float, elbow: float, steps: int = 1, stale: tupl
     """Show the same reading for a while."""
     for _ in range(steps):
         mind.predict(at(shoulder, elbow, stale=stale), gap=False)
+        mind.learn()
 
 
 @pytest.fixture
@@ -157,7 +158,7 @@ def test_a_learner_that_breaks_is_left_alone_and_the_reason_is_kept(monkeypatch:
     mind = mind_of()
     watch(mind, 0.0, 0.2, steps=10)
 
-    def break_down(horde: Horde, features: object, positions: object) -> None:
+    def break_down(horde: Horde, *step: object) -> None:
         raise ZeroDivisionError("oops")
 
     with monkeypatch.context() as patch:
@@ -167,6 +168,47 @@ def test_a_learner_that_breaks_is_left_alone_and_the_reason_is_kept(monkeypatch:
     helped = mind.assist(at(0.0, 0.6), {SHOULDER})
     assert helped.wishes == {}
     assert helped.frame.reason == "Learning broke and is off: ZeroDivisionError: oops"
+
+
+def test_the_timescale_that_the_assist_follows_learns_first_and_the_longest_last() -> None:
+    mind = mind_of(Learn(joints=BOTH, timescales=(10.0, 40.0, 20.0)))
+    for _ in range(300):
+        mind.predict(at(0.3, -0.4), gap=False)
+        mind.learn(iter([True, False]).__next__)
+    assert mind.shed == 300
+    expected = {"10": 0.3, "40": -1.0, "20": 0.3}  # where it is; the joint's minimum, as before any learning
+    assert mind.predictions(SHOULDER) == pytest.approx(expected, abs=0.1)
+
+
+def test_with_no_time_at_all_the_assist_still_follows_what_was_learned() -> None:
+    mind = mind_of()
+    watch(mind, 0.0, 0.2, steps=300)
+    mind.predict(at(0.0, 0.6), gap=False, has_time=lambda: False)
+    helped = mind.assist(at(0.0, 0.6), {SHOULDER})
+    assert helped.frame.engaged
+    assert helped.wishes.keys() == {ELBOW}
+    assert mind.shed == 1
+
+
+def test_another_timescale_for_the_assist_is_learned_first_from_then_on() -> None:
+    mind = mind_of()
+    mind.change({"timescale": 10.0})
+    mind.predict(at(0.0, 0.0), gap=False)
+    assert mind.predictions(ELBOW).keys() == {"10"}
+    mind.learn()
+    assert list(mind.predictions(ELBOW)) == ["10", "20"]
+
+
+def test_nothing_is_learned_from_an_old_reading_after_the_write_either(cuts: list[Horde]) -> None:
+    mind = mind_of()
+    watch(mind, 0.0, 0.0)
+    before = mind.predictions(ELBOW)
+    watch(mind, 0.9, 0.9, stale=(SHOULDER,))
+    assert mind.predictions(ELBOW) == before
+
+
+def test_the_time_for_learning_is_a_share_of_the_period() -> None:
+    assert mind_of(Learn(joints=BOTH, budget=0.5)).budget == pytest.approx(0.5 * PERIOD)
 
 
 def test_what_is_not_changed_stays() -> None:

@@ -28,7 +28,7 @@ SITES = [
 PAIRS = [Pair(group="arm", positive="up", negative="down", toggle="next")]
 REST, FULL = 0.0, 4.0
 LIMIT = 0.1  # s from the last sample to the stop
-FLEXED = ('name = "synthetic"', 'name = "synthetic"\nprogram = [[0, 1.0, 60.0]]')
+FLEXED = ('name = "synthetic"', 'name = "synthetic"\nprogram = [[0, 0.0, 2.0], [0, 1.0, 60.0]]')
 
 
 class Wire:
@@ -51,7 +51,8 @@ class Wire:
     async def signal(self, seconds: float, *levels: float) -> Look:
         """Let each site have a level (V) for so long; what the muscles say at the end."""
         for _ in range(round(seconds * RATE_HZ)):
-            samples = np.array([levels], np.float32)
+            living = 0.91 + 0.02 * (self._index % 10)  # its mean over a window is 1
+            samples = living * np.array([levels], np.float32)
             self._blocks.put_nowait(EmgBlock(self._index, self._clock.now(), samples))
             self._index += 1
             await asyncio.sleep(1 / RATE_HZ)
@@ -98,6 +99,21 @@ async def test_effort_is_what_one_site_has_more_than_the_other(wire: Wire) -> No
     assert (await wire.signal(0.1, 2.0, FULL, REST)).efforts == {"arm": pytest.approx(-0.5)}
 
 
+@pytest.mark.parametrize(
+    ("levels", "effort"),
+    [((2.0, REST), 0.5), ((REST, 2.0), 0.5), ((2.0, 2.0), 1.0), ((FULL, FULL), 1.0), ((REST, REST), 0.0)],
+)
+async def test_two_pairs_of_one_group_add_up_and_each_works_alone(
+    clock: VirtualClock, levels: tuple[float, float], effort: float
+) -> None:
+    wire = Wire(clock)
+    pairs = [Pair(group="arm", positive=one, negative="next") for one in ("up", "down")]
+    wire.muscles = Muscles(wire.feed, SITES, pairs, window=10)
+    pump = asyncio.create_task(wire.feed.pump())
+    assert (await wire.signal(0.1, *levels, REST)).efforts == {"arm": pytest.approx(effort)}
+    pump.cancel()
+
+
 async def test_a_contraction_of_the_third_site_toggles_once_after_a_rest(wire: Wire) -> None:
     assert (await wire.signal(0.4, REST, REST, REST)).toggles == []
     assert (await wire.signal(0.1, REST, REST, FULL)).toggles == ["arm"]
@@ -141,6 +157,22 @@ async def test_a_contraction_that_began_while_the_source_was_silent_does_not_tog
     await wire.signal(0.4, REST, REST, REST)
     await wire.silence(0.5)
     assert (await wire.signal(0.3, REST, REST, FULL)).toggles == []
+
+
+@pytest.mark.parametrize("rest", [REST, FULL])
+async def test_a_wire_that_is_stuck_above_the_threshold_asks_nothing(
+    clock: VirtualClock, wire: Wire, rest: float
+) -> None:
+    assert (await wire.signal(0.2, FULL, REST, REST)).efforts == {"arm": 1.0}
+    for _ in range(20):
+        stuck = EmgBlock(wire._index, clock.now(), np.array([[FULL, rest, REST]], np.float32))
+        wire._blocks.put_nowait(stuck)
+        wire._index += 1
+        await asyncio.sleep(1 / RATE_HZ)
+    look = wire.look()
+    assert (look.efforts, look.frame.alive) == ({}, False)
+    assert look.frame.problem.startswith("EMG channel 0 is stuck")
+    assert (await wire.signal(0.2, FULL, REST, REST)).efforts == {"arm": 1.0}
 
 
 async def test_a_site_can_be_changed_while_it_is_in_use(wire: Wire) -> None:
@@ -253,13 +285,13 @@ async def test_a_source_that_comes_back_moves_the_arm_again_without_a_toggle(
 
 
 def recording(path: Path) -> None:
-    """A flexor that contracts for a second, and then nothing more, as .npz or .csv (V)."""
-    volts = np.zeros((200, 3))
-    volts[:, 0] = np.where(np.arange(200) % 2, 60e-6, -60e-6)
+    """A flexor that rests for a second and contracts for one, and then nothing more, as .npz or .csv (V)."""
+    volts = np.zeros((400, 3))
+    volts[200:, 0] = np.random.default_rng(1).normal(0, 60e-6, 200)
     if path.suffix == ".npz":
         np.savez(path, emg=volts, fs=RATE_HZ)
     else:
-        table = np.column_stack((np.arange(200) / RATE_HZ, volts))
+        table = np.column_stack((np.arange(400) / RATE_HZ, volts))
         np.savetxt(path, table, delimiter=",", header="time,a,b,c", comments="")
 
 
@@ -278,7 +310,7 @@ async def test_the_end_of_a_recording_in_mid_contraction_stops_the_arm_within_10
         await shoulder_moves(arm)
         stopped = await wait_for(arm, is_stopped, 3)
         muscles = table(stopped["emg"])
-        assert muscles["problem"] == "The EMG source ended after sample 199."
+        assert muscles["problem"] == "The EMG source ended after sample 399."
         assert number(muscles, "age") <= LIMIT
         await asyncio.sleep(1)
         assert is_stopped(await state(arm))

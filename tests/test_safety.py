@@ -1,8 +1,10 @@
 """What must not happen: motion that nobody asked for, and claims that nothing confirmed."""
 
 import asyncio
+import math
 from collections.abc import Sequence
 from contextlib import suppress
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -10,10 +12,24 @@ import pytest
 from bentod.client import Client
 from bentod.control.modes import Modes
 from bentod.endpoint import Disconnected, RpcError
+from bentod.frames import Bounds
 from bentod.mind import Mind
 from bentod.serve.requests import RESERVE
-from bentod.serve.session import Bounds
-from tests.rig import PLAIN, joint, number, quiet_config, running, sim_config, state, table, tables, wait_for
+from bentod.serve.session import Bounds as SessionBounds
+from sim.servo import OVERLOAD_AFTER, OVERLOAD_DUTY
+from tests.rig import (
+    PLAIN,
+    Table,
+    joint,
+    number,
+    quiet_config,
+    running,
+    sim_config,
+    state,
+    table,
+    tables,
+    wait_for,
+)
 
 
 @pytest.fixture
@@ -139,7 +155,10 @@ async def test_a_tick_that_breaks_again_and_again_is_told_and_the_arm_stopped(
 
 async def test_stop_is_heard_from_a_client_with_too_many_requests(socket: Path) -> None:
     async with running(quiet_config(PLAIN), socket) as arm:
-        moves = [arm.call("move", joint="gripper", velocity=0.2) for _ in range(Bounds().in_flight + RESERVE)]
+        moves = [
+            arm.call("move", joint="gripper", velocity=0.2)
+            for _ in range(SessionBounds().in_flight + RESERVE)
+        ]
         answers = await asyncio.gather(*moves, arm.call("stop"), return_exceptions=True)
         assert answers[-1] is None
         assert any("in flight" in str(answer) for answer in answers)
@@ -175,3 +194,118 @@ async def test_a_servo_that_shuts_itself_down_is_a_fault_and_stays_down(socket: 
         await asyncio.sleep(1)
         assert await _position(arm, "elbow_flexion") <= fallen + 0.02
         assert not joint(await state(arm), "elbow_flexion")["torque"]
+
+
+FLEXED = ('name = "synthetic"', 'name = "synthetic"\nprogram = [[0, 1.0, 3.0], [0, 0.0, 1.0]]')
+"""A wearer who flexes for three seconds and rests for one, again and again."""
+
+
+def group(frame: Table, name: str) -> Table:
+    return next(found for found in tables(frame, "groups") if found["name"] == name)
+
+
+async def test_a_wearer_who_still_flexes_when_a_lease_ends_moves_nothing_until_they_have_rested(
+    socket: Path,
+) -> None:
+    async with running(sim_config(PLAIN, FLEXED), socket) as arm:
+        await wait_for(arm, lambda f: group(f, "arm")["operator"] == "emg")
+        await arm.call("hello", "ann")
+        await arm.call("group_command", group="arm", effort=-0.3, lease_s=0.5)
+        taken = await state(arm)
+        assert group(taken, "arm")["operator"] == "client:ann"
+        assert number(group(taken, "arm"), "effort") == pytest.approx(-0.3)
+        left = await wait_for(arm, lambda f: group(f, "arm")["operator"] == "")
+        assert number(table(table(left["emg"])["effort"]), "flexor") > 0.5
+        assert joint(left, "shoulder_rotation")["sent"] == {"kind": "stop"}
+        again = await wait_for(arm, lambda f: group(f, "arm")["operator"] == "emg", 5)
+        assert number(again, "time") - number(left, "time") > 1
+
+
+async def test_no_hand_over_between_muscles_clients_home_and_stop_is_a_jerk(socket: Path) -> None:
+    """Whoever asks, a velocity changes no faster than the joint may accelerate, except to stop."""
+    sent: list[tuple[float, float]] = []
+    rough = PLAIN, FLEXED, ("max_velocity_rad_s = 0.80\n", "max_velocity_rad_s = 2.0\n")
+
+    async def watch(arm: Client) -> None:
+        async for frame in arm.subscribe_state(rate_hz=500):
+            command = table(joint(frame, "shoulder_rotation")["sent"])
+            sent.append((number(frame, "time"), _signed(command, joint(frame, "shoulder_rotation"))))
+
+    async with running(sim_config(*rough), socket) as arm, Client.connect(socket) as other:
+        watching = asyncio.create_task(watch(other))
+        for velocity in (-2.0, 2.0, -1.0):
+            await arm.call("move", joint="shoulder_rotation", velocity=velocity, lease_s=0.15)
+            await asyncio.sleep(0.3)
+            await arm.call("move", joint="shoulder_rotation", velocity=-velocity, lease_s=0.15)
+            await arm.call("go_home")
+            await asyncio.sleep(0.2)
+        await asyncio.sleep(5)
+        watching.cancel()
+    steps = [
+        abs(now - before) / (t - past)
+        for (past, before), (t, now) in pairwise(sent)
+        if now and t - past < 0.05  # two ticks in a row
+    ]
+    assert max(steps) == pytest.approx(Bounds().acceleration, rel=0.01)
+
+
+def _signed(command: Table, reading: Table) -> float:
+    """Rad/s that a command asks of a joint that was read so."""
+    if command["kind"] != "position":
+        return number(command, "velocity") if command["kind"] == "velocity" else 0.0
+    return math.copysign(number(command, "speed"), number(command, "position") - number(reading, "position"))
+
+
+async def test_going_home_passes_the_same_limits(socket: Path) -> None:
+    gentle = (
+        "max_velocity_rad_s = 1.07\n",
+        "max_velocity_rad_s = 1.07\nlimits.max_acceleration_rad_s2 = 0.5\n",
+    )
+    async with running(quiet_config(PLAIN, gentle), socket) as arm:
+        await arm.call("move", joint="gripper", position=1.0, lease_s=2.0)
+        await wait_for(arm, lambda f: number(joint(f, "gripper"), "position") > 0.6)
+        await arm.call("pause")
+        await arm.call("go_home", joints="gripper")
+        speeds = [number(table(joint(await state(arm), "gripper")["sent"]), "speed") for _ in range(3)]
+        assert speeds == sorted(speeds)
+        assert speeds[-1] < 0.1
+        assert joint(await state(arm), "gripper")["limited"] == "acceleration"
+        await wait_for(arm, lambda f: table(f["goal"])["status"] == "done")
+
+
+async def test_an_arm_that_falls_is_not_armed_until_it_rests(socket: Path) -> None:
+    async with running(quiet_config(), socket) as arm:
+        await arm.call("move", joint="elbow_flexion", position=0.6, lease_s=2.0)
+        await wait_for(arm, lambda f: number(joint(f, "elbow_flexion"), "position") > 0.5)
+        await arm.call("torque", on=False)
+        await asyncio.sleep(0.2)
+        with pytest.raises(RpcError, match=r"not armed: .*elbow_flexion moves at .* rad/s, bound 0.2 rad/s"):
+            await arm.call("torque", on=True)
+        assert not any(entry["torque"] for entry in tables(await state(arm), "joints"))
+        await asyncio.sleep(3)
+        await arm.call("torque", on=True)
+        assert (await state(arm))["mode"] == "holding"
+
+
+async def test_a_hot_arm_is_not_armed(socket: Path) -> None:
+    hot = ("seed = 1\n\n[safety]", "seed = 1\ntemperature = 69\n\n[safety]")
+    async with running(quiet_config(PLAIN, hot), socket, mode="limp") as arm:
+        with pytest.raises(RpcError, match="gripper is at 69 °C, bound 63 °C: let it cool"):
+            await arm.call("torque", joints="gripper")
+
+
+async def test_a_gripper_that_may_not_push_hard_holds_something_for_long_without_shutting_down(
+    socket: Path,
+) -> None:
+    weak = ("hardware = { id = 5,", "limits = { max_load = 0.3 }\nhardware = { id = 5,")
+    async with running(quiet_config(weak), socket) as arm:
+        await arm.call("inject", fault="blocked", joint="gripper")
+        for _ in range(round(OVERLOAD_AFTER)):
+            await arm.call("move", joint="gripper", velocity=0.5, lease_s=2.0)
+            await asyncio.sleep(1.5)
+        held = joint(await state(arm), "gripper")
+        assert held["limited"] == "load"
+        assert 0.3 < number(held, "load") < OVERLOAD_DUTY
+        await arm.call("move", joint="gripper", velocity=-0.3, lease_s=1.0)
+        back = await wait_for(arm, lambda f: number(joint(f, "gripper"), "velocity") < -0.2, 2)
+        assert joint(back, "gripper")["limited"] == ""

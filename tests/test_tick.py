@@ -16,7 +16,7 @@ from bentod.daemon import Daemon
 from bentod.desk import Desk
 from bentod.errors import Refused
 from bentod.frames import Mode, State, Stop, Velocity
-from bentod.learn.horde import Horde
+from bentod.learn.horde import HasTime, Horde, unhurried
 from bentod.mind import Mind
 from bentod.supervise import Supervisor
 from bentod.tick import AT_REST, next_deadline
@@ -32,9 +32,9 @@ class WatchfulMind(Mind):
         super().__init__(SPECS, 30.0, Groups(SPECS, {}))
         self.gaps: list[bool] = []
 
-    def predict(self, state: State, gap: bool) -> None:
+    def predict(self, state: State, gap: bool, has_time: HasTime = unhurried) -> None:
         self.gaps.append(gap)
-        super().predict(state, gap)
+        super().predict(state, gap, has_time)
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ async def bench() -> Bench:
 
 
 DUE = st.floats(0, 1e6)
-PERIODS = st.floats(1 / 500, 1 / 10)
+PERIODS = st.floats(1 / 1000, 1 / 10)
 LATE = st.floats(-1, 1000)  # in periods
 TOLERANCE = 1e-6  # periods: rounding of the time after eleven days
 
@@ -175,7 +175,7 @@ async def test_a_learner_that_breaks_is_off_and_nothing_else_is(monkeypatch: pyt
     bench = Bench(Mind(SPECS, 30.0, Groups(SPECS, {}), learn))
     await bench.set_off()
 
-    def break_down(horde: Horde, features: object, positions: object) -> None:
+    def break_down(horde: Horde, *step: object) -> None:
         raise ZeroDivisionError("oops")
 
     monkeypatch.setattr(Horde, "step", break_down)

@@ -41,7 +41,7 @@ def explain(config: Config) -> list[str]:
         for joint in config.joints
     ]
     lines += [f"Group {group.name}: {' → '.join(group.joints)}." for group in config.groups]
-    return [*lines, *_explain_muscles(config), *_explain_mind(config)]
+    return [*lines, *_explain_muscles(config), *_explain_mind(config), *_explain_access(config)]
 
 
 def _explain_drivers(config: Config) -> str:
@@ -79,4 +79,17 @@ def _explain_mind(config: Config) -> list[str]:
             f"Assist {assist.mode} moves unattended joints of the group {assist.group} "
             f"to where they are expected in {assist.timescale / config.rate_hz:.2f} s."
         )
+    return lines
+
+
+def _explain_access(config: Config) -> list[str]:
+    access, tcp = config.access, config.tcp
+    movers = ", ".join(["the daemon's own user", "root", *(f"the group {name}" for name in access.operators)])
+    watchers = "whoever the socket lets in"
+    if access.observers is not None:
+        watchers = ", ".join(f"the group {name}" for name in access.observers) or "nobody else"
+    lines = [f"It may be moved by {movers}; looked at, and stopped, by {watchers}."]
+    if tcp:
+        how = "with TLS" if tcp.certificate else "from this machine only"
+        lines.append(f"Over TCP, {how}: {tcp.host} port {tcp.port}, for whoever has a token.")
     return lines

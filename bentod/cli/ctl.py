@@ -4,11 +4,10 @@ from pathlib import Path
 
 import click
 
-from bentod.blocking import BlockingClient
 from bentod.cli import show
 from bentod.cli.ctl_arm import ARM
 from bentod.cli.ctl_muscles import MUSCLES
-from bentod.cli.link import Link, assigned
+from bentod.cli.link import ADDRESS, CA_FILE, TOKEN_FILE, Link, Way, assigned
 from bentod.endpoint import default_socket_path
 from bentod.errors import BentodError
 
@@ -18,15 +17,15 @@ class _Group(click.Group):
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         super().format_epilog(ctx, formatter)
-        path = ctx.params.get("socket") or default_socket_path()
+        way = _way(*(ctx.params.get(name) for name in ("socket", "token_file", "ca_file")))
         formatter.write_paragraph()
         try:
-            with BlockingClient(path, timeout_s=1.0) as arm:
+            with way.blocking(timeout=1.0) as arm:
                 methods = show.entries(arm.call("list_methods"))
         except BentodError as error:
             formatter.write(f"For `call`, a running daemon lists its methods here. {error}\n")
             return
-        formatter.write(f"Methods for `call`, as the daemon at {path} offers them:\n\n")
+        formatter.write(f"Methods for `call`, as the daemon at {way.address} offers them:\n\n")
         formatter.write("\n".join(show.method_text(method) for method in methods) + "\n")
 
 
@@ -35,13 +34,9 @@ class _Group(click.Group):
     epilog="Exit codes: 0 done; 1 refused or cancelled; 2 wrong usage, also when the daemon finds a name or "
     "a number wrong; 3 no daemon answers.",
 )
-@click.option(
-    "--socket",
-    type=click.Path(path_type=Path),
-    envvar="BENTOD_SOCKET",
-    is_eager=True,
-    help="Where the daemon listens; its usual place if not given.",
-)
+@ADDRESS
+@TOKEN_FILE
+@CA_FILE
 @click.option("--json", "as_json", is_flag=True, help="Print answers as JSON, one to a line.")
 @click.option(
     "--timeout",
@@ -51,9 +46,20 @@ class _Group(click.Group):
     help="s to wait for an answer.",
 )
 @click.pass_context
-def ctl(ctx: click.Context, socket: Path | None, as_json: bool, timeout: float) -> None:
+def ctl(
+    ctx: click.Context,
+    socket: str | None,
+    token_file: Path | None,
+    ca_file: Path | None,
+    as_json: bool,
+    timeout: float,
+) -> None:
     """Talk to the running daemon. JOINT... is one joint, several, or none for all of them."""
-    ctx.obj = Link(socket or default_socket_path(), timeout, as_json)
+    ctx.obj = Link(_way(socket, token_file, ca_file), timeout, as_json)
+
+
+def _way(socket: str | None, token_file: Path | None, ca_file: Path | None) -> Way:
+    return Way(socket or default_socket_path(), token_file, ca_file)
 
 
 @ctl.command()
@@ -78,16 +84,14 @@ def state(link: Link, watch: bool, rate: float) -> None:
             frame = arm.call("get_state")
         link.show(frame, show.state_text(frame))
         return
-    for frame in link.watch("state", rate):
-        link.show(frame, show.state_text(frame))
+    link.watch("state", rate, show.state_text)
 
 
 @ctl.command()
 @click.pass_obj
 def events(link: Link) -> None:
     """Show what happens, until Ctrl-C."""
-    for event in link.watch("events", 1.0):
-        link.show(event, show.event_text(event))
+    link.watch("events", 1.0, show.event_text)
 
 
 @ctl.command()
@@ -95,6 +99,13 @@ def events(link: Link) -> None:
 def info(link: Link) -> None:
     """Show what does not change: version, joints and their limits, groups."""
     link.do("get_info")
+
+
+@ctl.command()
+@click.pass_obj
+def clients(link: Link) -> None:
+    """Show who is connected, with which role, and what each was too slow for."""
+    link.do("list_clients")
 
 
 for command in (*ARM, *MUSCLES):

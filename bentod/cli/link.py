@@ -2,18 +2,21 @@
 
 import json
 import time
-from collections.abc import Collection, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import AbstractAsyncContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
+from bentod.address import CA_VARIABLE, TOKEN_VARIABLE, parse
 from bentod.blocking import BlockingClient
 from bentod.cli import show
+from bentod.client import Client
 from bentod.endpoint import Disconnected
-from bentod.errors import BadRequest, BentodError
+from bentod.errors import BadRequest, BentodError, ConfigError
 from bentod.frames import Value
+from bentod.token_file import read_token
 
 
 class Failed(click.ClickException):
@@ -34,11 +37,55 @@ class NoDaemon(Failed):
     exit_code = 3
 
 
+ADDRESS = click.option(
+    "--socket",
+    metavar="PATH|ADDRESS",
+    envvar="BENTOD_SOCKET",
+    is_eager=True,
+    help="Where the daemon listens: a path, or tls://HOST:PORT; its usual place if not given.",
+)
+TOKEN_FILE = click.option(
+    "--token-file",
+    type=click.Path(path_type=Path),
+    envvar=TOKEN_VARIABLE,
+    is_eager=True,
+    help=f"File with the token that TCP asks for; also {TOKEN_VARIABLE}.",
+)
+CA_FILE = click.option(
+    "--ca-file",
+    type=click.Path(path_type=Path),
+    envvar=CA_VARIABLE,
+    is_eager=True,
+    help=f"Authority of the daemon's TLS certificate; also {CA_VARIABLE}.",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """What the options of a command say about how to reach the daemon."""
+
+    address: Path | str
+    token_file: Path | None = None
+    ca_file: Path | None = None
+
+    def blocking(self, timeout: float) -> BlockingClient:
+        """Connect, and wait `timeout` (s) for each answer. Raises as `BlockingClient` does."""
+        return BlockingClient(self.address, timeout, self._token(), self.ca_file)
+
+    def client(self) -> AbstractAsyncContextManager[Client]:
+        """Connect. Raises as `Client.connect` does."""
+        return Client.connect(self.address, self._token(), self.ca_file)
+
+    def _token(self) -> str | None:
+        needed = not parse(self.address).path
+        return read_token(self.token_file, "--token-file") if needed and self.token_file else None
+
+
 @dataclass(frozen=True, slots=True)
 class Link:
     """What the options of `ctl` say."""
 
-    path: Path
+    way: Way
     timeout: float  # s for one answer
     as_json: bool
 
@@ -50,7 +97,7 @@ class Link:
             Failed: the daemon refused, the request is wrong, or there is no daemon.
         """
         try:
-            with BlockingClient(self.path, self.timeout) as arm:
+            with self.way.blocking(self.timeout) as arm:
                 yield arm
         except BentodError as error:
             raise _failure(error) from error
@@ -75,18 +122,20 @@ class Link:
                 arm.call(method, **named, lease_s=lease)
                 time.sleep(min(lease / 3, left))
 
-    def watch(self, topic: str, rate_hz: float) -> Iterator[Value]:
-        """Notifications of one topic, until interrupted."""
+    def watch(self, topic: str, rate_hz: float, text: Callable[[Value], str]) -> None:
+        """Show the notifications of one topic, until interrupted."""
         with suppress(KeyboardInterrupt), self.open() as arm:
             arm.call("subscribe", topic=topic, rate_hz=rate_hz)
             for notification in arm.notifications():
-                yield from show.entries(notification.params)
+                for entry in show.entries(notification.params):
+                    self.show(entry, text(entry))
 
 
 def _failure(error: BentodError) -> Failed:
     if isinstance(error, Disconnected):
         return NoDaemon(str(error))
-    return Misused(str(error)) if error.code == BadRequest.code else Failed(str(error))
+    misused = error.code in (BadRequest.code, ConfigError.code)
+    return Misused(str(error)) if misused else Failed(str(error))
 
 
 def assigned(words: Iterable[str], texts: Collection[str] = ()) -> dict[str, Value]:

@@ -15,6 +15,7 @@ _HELP = {
     "doctor": "Look for Dynamixel servos behind a serial port and say what is wrong with them.",
     "servo": "Give a Dynamixel servo its ID, baud rate or protocol.",
     "calibrate": "Measure how long a joint takes to obey, and write it to the config.",
+    "bench": "Measure how late a tick begins on this machine.",
     "sim-bus": "Simulate the arm's servos behind a serial port of their own.",
     "sim-can": "Simulate the arm's motor controllers on a CAN bus of their own.",
 }

@@ -3,6 +3,7 @@
 import asyncio
 import os
 import select
+import socket as sockets
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -12,11 +13,13 @@ from pathlib import Path
 import click
 
 from bentod import logs
+from bentod.activation import passed_socket, path_of
 from bentod.cli.configs import read
 from bentod.clock import SystemClock
 from bentod.config import Config
 from bentod.daemon import Daemon, environment_supervisor, socket_path
 from bentod.errors import BentodError, ConfigError
+from bentod.realtime import upkeep
 
 
 @click.command()
@@ -40,14 +43,15 @@ def run(
     shown = sys.stdout.isatty() if view is None else view
     try:
         checked = read(config, emg, port)
-        where = socket_path(checked, socket)
+        passed = passed_socket(os.environ)  # and taken out of the view's environment
+        where = path_of(passed) if passed else socket_path(checked, socket)
         with ExitStack() as stack:
             file = _log_file() if shown else None
             stream = stack.enter_context(open(os.devnull, "w", encoding="utf-8")) if shown else None
             stack.enter_context(logs.setup(log_level, stream=stream, file=file))
             if shown:
                 stack.enter_context(_viewer(where))
-            left = asyncio.run(_serve(checked, where, ticks))
+            left = asyncio.run(_serve(checked, where, ticks, passed))
     except BentodError as error:
         for line in str(error).splitlines():
             click.echo(f"bentod: {line}", err=True)
@@ -56,10 +60,10 @@ def run(
         click.echo(f"{left} The log is in {file}")
 
 
-async def _serve(config: Config, socket: Path, ticks: int) -> str:
+async def _serve(config: Config, socket: Path, ticks: int, passed: sockets.socket | None) -> str:
     async with SystemClock() as clock:
-        with environment_supervisor() as supervisor:
-            return await Daemon(config, clock, supervisor, socket).run(ticks)
+        with environment_supervisor() as supervisor, upkeep(config.realtime, clock) as around:
+            return await Daemon(config, clock, supervisor, socket, passed, around).run(ticks)
 
 
 @contextmanager

@@ -10,9 +10,11 @@ from pathlib import Path
 
 import click
 
+from bentod.cli.link import ADDRESS, CA_FILE, TOKEN_FILE, Way
 from bentod.cli.view import Range, lines
 from bentod.client import Client
-from bentod.endpoint import Disconnected
+from bentod.endpoint import Disconnected, default_socket_path
+from bentod.errors import BentodError
 from bentod.frames import Value
 
 RATE_HZ = 10
@@ -27,20 +29,22 @@ _HELP = "  Ctrl-C ends.   From another terminal: bentod ctl pause | torque off |
 
 
 @click.command()
-@click.option("--socket", type=click.Path(path_type=Path), help="Socket of the daemon.")
-def watch(socket: Path | None) -> None:
+@ADDRESS
+@TOKEN_FILE
+@CA_FILE
+def watch(socket: str | None, token_file: Path | None, ca_file: Path | None) -> None:
     """Show the running daemon until Ctrl-C or its end."""
     with _screen():
-        complaint = asyncio.run(_watch(socket))
+        complaint = asyncio.run(_watch(Way(socket or default_socket_path(), token_file, ca_file)))
     if complaint:
         click.echo(complaint, err=True)
         raise SystemExit(3)
 
 
-async def _watch(socket: Path | None) -> str:
+async def _watch(way: Way) -> str:
     """Draw until the daemon or the user ends; returns why nothing could be drawn, if so."""
     drawn: list[bool] = []
-    task = asyncio.ensure_future(_draw(socket, drawn))
+    task = asyncio.ensure_future(_draw(way, drawn))
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, task.cancel)
@@ -49,16 +53,16 @@ async def _watch(socket: Path | None) -> str:
         await task
     except* asyncio.CancelledError:
         pass
-    except* Disconnected as lost:
+    except* BentodError as lost:
         complaint = "" if drawn else str(lost.exceptions[0])
     return complaint
 
 
-async def _draw(socket: Path | None, drawn: list[bool]) -> None:
+async def _draw(way: Way, drawn: list[bool]) -> None:
     """Draw frame after frame; `drawn` is not empty after the first."""
-    await _await_daemon(socket)
+    await _await_daemon(way)
     events: deque[str] = deque(maxlen=8)
-    async with Client.connect(socket) as arm, asyncio.TaskGroup() as tasks:
+    async with way.client() as arm, asyncio.TaskGroup() as tasks:
         ranges = _ranges(await arm.call("get_info"))
         listener = tasks.create_task(_listen(arm, events))
         try:
@@ -75,12 +79,12 @@ async def _listen(arm: Client, events: deque[str]) -> None:
         events.append(f"{time.strftime('%H:%M:%S')}  {event['text']!s}")
 
 
-async def _await_daemon(socket: Path | None) -> None:
+async def _await_daemon(way: Way) -> None:
     """Return once the daemon can be reached. Raises Disconnected: it did not come."""
     deadline = time.monotonic() + PATIENCE_S
     while True:
         try:
-            async with Client.connect(socket):
+            async with way.client():
                 return
         except Disconnected:
             if time.monotonic() > deadline:

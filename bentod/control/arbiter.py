@@ -1,4 +1,4 @@
-"""Who moves a joint when several want to: stop before client, before home, before muscles, before assist."""
+"""Who moves a joint when several want to: stop before client, before home, before operator, before assist."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -6,7 +6,10 @@ from dataclasses import dataclass
 from bentod.control.modes import Modes
 from bentod.frames import Command, Mode, Stop, Wishes
 
-PRIORITY = ("client", "home", "emg", "assist")
+OPERATORS = ("emg", "joystick")
+"""Those who drive groups of joints by effort. Of each group one of them does, which `Operators` decides."""
+
+PRIORITY = ("client", "home", *OPERATORS, "assist")
 """Sources of wishes, strongest first. Pause, fault and missing torque stand before all of them."""
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection
 
-from bentod.control.leases import Lease, Leases
+from bentod.control.leases import Holder, Lease, Leases
 from bentod.frames import Command, Wishes
 
 
@@ -14,7 +14,11 @@ class Clients:
         self._through: dict[int, str] = {}  # the group through which a joint was asked for
 
     def move(self, joint: int, lease: Lease[Command], group: str = "") -> None:
-        """Take or renew the lease on a joint. Raises Refused: another client holds it."""
+        """Take or renew the lease on a joint.
+
+        Raises:
+            Refused: another client holds it.
+        """
         self._leases.take(joint, lease)
         self._through[joint] = group
 
@@ -42,6 +46,6 @@ class Clients:
         """What the leases ask, by joint."""
         return {joint: lease.wish for joint, lease in self._leases}
 
-    def holder(self, joint: int) -> str:
-        """Name of the client whose lease moves the joint; empty when there is none."""
-        return next((lease.holder.client for held, lease in self._leases if held == joint), "")
+    def holder(self, joint: int) -> Holder | None:
+        """The client whose lease moves the joint; None when there is none."""
+        return next((lease.holder for held, lease in self._leases if held == joint), None)

@@ -60,6 +60,11 @@ class Goals:
         if goal and goal.running and not goal.paused_before >= goal.targets.keys():
             self._change(goal, goal.cancelled(reason))
 
+    @property
+    def running(self) -> bool:
+        """Whether a goal moves the arm."""
+        return self._goal is not None and self._goal.running
+
     def borrows(self, joint: int) -> bool:
         """Whether the joint is paused to all but the running goal."""
         goal = self._goal

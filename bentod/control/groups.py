@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from bentod.errors import BadRequest
-from bentod.frames import JointSpec, Velocity, Wishes
+from bentod.frames import JointSpec, Value, Velocity, Wishes
 
 
 @dataclass(slots=True)
@@ -50,6 +50,21 @@ class Groups:
             raise BadRequest(f"the group '{name}' has no joint '{joint}' ({', '.join(names)})", "joint")
         group.position = names.index(joint)
         return group
+
+    def describe(self) -> Value:
+        """The groups as clients see them."""
+        return [
+            {
+                "name": group.name,
+                "joints": [self._specs[joint].name for joint in group.joints],
+                "active": self._specs[group.active].name,
+            }
+            for group in self
+        ]
+
+    def wishes(self, efforts: Mapping[str, float]) -> Wishes:
+        """What efforts (-1..1, by group) ask of the joints."""
+        return {j: wish for name, effort in efforts.items() for j, wish in self.wish(name, effort).items()}
 
     def wish(self, name: str, effort: float) -> Wishes:
         """What an effort (-1..1) asks of the group: the active joint at that share of its top speed (rad/s).

@@ -1,8 +1,12 @@
 """What happened once: sentences for people, data for clients; the tick takes and publishes them."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 from bentod.frames import Event, GoalFrame, JointSpec, State, Value
+
+QUIET = 10.0
+"""s between two events about the same matter that goes on."""
 
 
 class Journal:
@@ -14,10 +18,21 @@ class Journal:
         self._names = tuple(spec.name for spec in specs)
         self._errors: tuple[tuple[str, ...], ...] = ((),) * len(self._names)
         self._events: list[Event] = []
+        self._quiet_until: dict[str, float] = {}
 
     def note(self, kind: str, text: str, data: Mapping[str, Value] | None = None) -> None:
         """Record something that happened once."""
         self._events.append(Event(self.now, kind, text, data or {}))
+
+    def note_seldom(self, kind: str, about: str, text: str) -> None:
+        """Record something that may happen in every tick; of one matter (`about`) once in `QUIET`."""
+        if self.now >= self._quiet_until.get(about, -math.inf):
+            self._quiet_until[about] = self.now + QUIET
+            self.note(kind, text)
+
+    def settled(self, about: str) -> None:
+        """The matter has ended: should it come again, it is recorded at once."""
+        self._quiet_until.pop(about, None)
 
     def goal(self, goal: GoalFrame) -> None:
         """Record how a goal stands."""

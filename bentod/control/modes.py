@@ -21,6 +21,7 @@ class Modes:
         self._modes = [Mode.HOLDING if on else Mode.LIMP for on in torque]
         self._wanted = list(torque)
         self._fault = ""
+        self._limp_in_fault = False
 
     @property
     def fault(self) -> str:
@@ -74,19 +75,26 @@ class Modes:
                 self._modes[joint] = Mode.PAUSED
 
     def confirm_torque(self, torque: Sequence[bool]) -> None:
-        """Take over what the hardware has: a joint that lost torque is LIMP, one that gained it HOLDING."""
+        """Take over what the hardware has: a joint that lost torque is LIMP, one that gained it HOLDING.
+
+        Torque that did not come is wanted no longer: only a request may arm. Torque that did not go stays
+        unwanted until it is gone, whatever else happens. A limp joint that gained torque unasked is believed,
+        unless the arm is limp because of a fault.
+        """
         for joint, on in enumerate(torque):
             if not on:
                 self._modes[joint] = Mode.LIMP
+                self._wanted[joint] = False
             elif self._modes[joint] is Mode.LIMP:
                 self._modes[joint] = Mode.HOLDING
-        self._wanted = list(torque)
+                self._wanted[joint] = not (self._fault and self._limp_in_fault)
 
     def enter_fault(self, reason: str, limp: bool) -> bool:
         """Latch the fault; joints hold, or go limp if `limp`. True if it is new: the first reason stays."""
         if self._fault:
             return False
         self._fault = reason
+        self._limp_in_fault = limp
         # A torque that was asked for in this very tick must not come true in a fault.
         self._wanted = [
             mode is not Mode.LIMP and on and not limp
@@ -101,10 +109,26 @@ class Modes:
         """Unlatch. Joints stay HOLDING or LIMP: releasing them is a request of its own."""
         self._fault = ""
 
+    def may_move(self, joint: int) -> None:
+        """Raise Refused, with what to do first, for a joint that is not active."""
+        mode = self.of(joint)
+        if mode is Mode.ACTIVE:
+            return
+        remedy = {
+            Mode.FAULT: f"clear_fault first ({self._fault})",
+            Mode.LIMP: "switch torque on and release it (pause off) first",
+        }.get(mode, "release it (pause off) first")
+        raise Refused(f"{self._names[joint]} is {mode.value}: {remedy}")
+
     def may_release(self, joints: Iterable[int]) -> None:
         """Raise Refused while a fault is latched, or for a joint without torque."""
         if self._fault:
             raise Refused(f"a fault is latched ({self._fault}): clear_fault first")
-        limp = [self._names[joint] for joint in joints if self._modes[joint] is Mode.LIMP]
+        # A joint that is about to lose torque is limp already: nothing may be written to it meanwhile.
+        limp = [
+            self._names[joint]
+            for joint in joints
+            if self._modes[joint] is Mode.LIMP or not self._wanted[joint]
+        ]
         if limp:
             raise Refused(f"torque is off on {', '.join(limp)}: switch it on first", "joints")

@@ -1,11 +1,14 @@
 """What stands between a source of muscle signals and the tick: a task that pumps, and a judgement of life."""
 
+import asyncio
 import logging
 import math
 
 import numpy as np
 
 from bentod.contracts import EmgSource
+from bentod.emg import signs
+from bentod.emg.drift import Drift
 from bentod.emg.windows import Ring
 from bentod.errors import BentodError, ConfigError
 from bentod.frames import EmgBlock, Samples
@@ -40,6 +43,8 @@ class Feed:
         """Samples that never arrived, since the source was opened."""
         self._source = source
         self._stall_s = stall_s
+        self._drift = Drift()
+        self._arrived = -math.inf
         self._over = ""
         self._bad = ""
         self._bad_time = -math.inf
@@ -62,19 +67,26 @@ class Feed:
         if not len(block.samples):
             return
         self.dropped += self.ring.append(block)
+        self._arrived = asyncio.get_running_loop().time()
+        self._drift.take(self.ring.newest, self._arrived)
         finite = np.isfinite(block.samples)
         if not finite.all():
             row, channel = np.argwhere(~finite)[-1]
             self._bad = f"EMG sample {block.first_index + row} of channel {channel} is not a finite number."
-            self._bad_time = self.ring.newest
+            self._bad_time = self.ring.newest + self._drift.offset
 
     def since(self, index: int) -> Samples:
         """Samples from `index` on (V, shape (n, channels)); see `Ring.since`."""
         return self.ring.since(index)
 
     def age(self, now: float) -> float:
-        """Seconds from the newest sample to `now`; infinite when there has been none."""
-        return now - self.ring.newest
+        """Seconds from the newest sample to `now`, by our clock; infinite when there has been none."""
+        return now - self.ring.newest - self._drift.offset
+
+    def lifeless(self, channel: int, least: float) -> str:
+        """Why a channel's newest samples are no muscle's; see `signs.lifeless`."""
+        newest = self.ring.since(self.ring.next_index - signs.stretch(self.ring.rate_hz))
+        return signs.lifeless(newest, channel, least)
 
     def problem(self, now: float) -> str:
         """Why the signals cannot be believed at `now` (monotonic s), as a sentence; empty when they can.
@@ -88,6 +100,10 @@ class Feed:
             return "No EMG sample has arrived yet."
         if self.age(now) < -self._stall_s:
             return f"EMG samples are stamped {-self.age(now):.2f} s ahead of the clock."
+        if self.age(now) > self._stall_s >= now - self._arrived:
+            return (
+                f"EMG samples are {self.age(now):.2f} s old when they come; the bound is {self._stall_s:g} s."
+            )
         if self.age(now) > self._stall_s:
             return f"No EMG sample for {self.age(now):.2f} s; the bound is {self._stall_s:g} s."
         return self._bad if now - self._bad_time <= self._stall_s else ""

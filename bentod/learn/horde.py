@@ -1,12 +1,21 @@
 """Many questions like "where will this joint be in τ steps?", answered by groups of value functions."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from bentod.contracts import Features
 from bentod.frames import Prediction
 from bentod.learn.returns import discount
 from bentod.learn.true_online import TrueOnlineTD
+
+HasTime: TypeAlias = Callable[[], bool]
+"""Whether there is time left to learn."""
+
+
+def unhurried() -> bool:
+    """There is time."""
+    return True
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +30,7 @@ class Question:
 class _Group:
     """The questions of one timescale, which share γ and so one eligibility trace."""
 
+    timescale: float  # steps
     gamma: float
     asked: tuple[int, ...]  # places among the questions
     joints: tuple[int, ...]
@@ -52,8 +62,10 @@ class Horde:
         weights = [angle / active for angle in initial]
         self._groups = tuple(
             self._group(timescale, weights, size, lam, step_size / active)
-            for timescale in dict.fromkeys(question.timescale for question in questions)
+            for timescale in sorted({question.timescale for question in questions})
         )
+        self.shed = 0
+        """How often a group of questions was left to predict without learning, because there was no time."""
 
     @property
     def resets(self) -> tuple[int, ...]:
@@ -64,24 +76,43 @@ class Horde:
                 counts[place] = count
         return tuple(counts)
 
-    def step(self, features: Features, positions: Sequence[float]) -> tuple[Prediction, ...]:
+    def step(
+        self,
+        features: Features,
+        positions: Sequence[float],
+        has_time: HasTime = unhurried,
+        timescales: Collection[float] | None = None,
+    ) -> tuple[Prediction, ...]:
         """Learn from having arrived at `positions` (rad, by joint index), then predict, in question order.
+
+        The shortest timescale learns first. Once `has_time` says no, the groups that are left learn nothing
+        from this step: they forget the step before, so that none is learned from twice or across a gap, and
+        predict with what they know. `timescales`: only these groups take the step; None is all of them.
 
         A joint whose position is not finite teaches nothing in this step, and is still predicted.
         """
-        answers = [0.0] * len(self._questions)
+        answers: dict[int, float] = {}
         for group in self._groups:
-            cumulants = [(1 - group.gamma) * positions[joint] for joint in group.joints]
-            values = group.learner.step(features, cumulants).tolist()
-            for place, value in zip(group.asked, values, strict=True):
-                answers[place] = value
-        pairs = zip(self._questions, answers, strict=True)
-        return tuple(Prediction(question.joint, question.timescale, answer) for question, answer in pairs)
+            if timescales is None or group.timescale in timescales:
+                values = self._step(group, features, positions, has_time())
+                answers.update(zip(group.asked, values, strict=True))
+        asked = [(place, self._questions[place]) for place in sorted(answers)]
+        return tuple(Prediction(it.joint, it.timescale, answers[place]) for place, it in asked)
 
     def cut(self) -> None:
         """Forget the previous step, not the weights, e.g. after a gap in the readings."""
         for group in self._groups:
             group.learner.cut()
+
+    def _step(
+        self, group: _Group, features: Features, positions: Sequence[float], learn: bool
+    ) -> list[float]:
+        if not learn:
+            self.shed += 1
+            group.learner.cut()
+        cumulants = [(1 - group.gamma) * positions[joint] for joint in group.joints]
+        values: list[float] = group.learner.step(features, cumulants).tolist()
+        return values
 
     def _group(
         self, timescale: float, weights: Sequence[float], size: int, lam: float, alpha: float
@@ -89,4 +120,4 @@ class Horde:
         gamma = discount(timescale)
         asked = tuple(i for i, question in enumerate(self._questions) if question.timescale == timescale)
         learner = TrueOnlineTD(size, [weights[i] for i in asked], gamma, lam, alpha)
-        return _Group(gamma, asked, tuple(self._questions[i].joint for i in asked), learner)
+        return _Group(timescale, gamma, asked, tuple(self._questions[i].joint for i in asked), learner)

@@ -3,9 +3,11 @@
 from importlib.metadata import version
 from typing import Annotated, Literal
 
+from bentod.control.arbiter import OPERATORS
 from bentod.control.leases import Holder
 from bentod.errors import BadRequest, Refused
-from bentod.frames import Command, Frame, JointSpec, Position, Stop, Value, Velocity
+from bentod.frames import Command, JointSpec, Mode, Position, Stop, Value, Velocity
+from bentod.messages import Packed, pack
 from bentod.serve.params import Flag, Number, Text
 from bentod.serve.room import Joint, Joints, Lease, Room
 from bentod.serve.session import Session
@@ -15,26 +17,67 @@ Speed = Annotated[
 ]
 Angle = Annotated[float | None, Number("rad", -6.3, 6.3, "position to go to, within the joint's limits")]
 
+RESERVED = frozenset(
+    {*Mode, *OPERATORS, "client", "home", "assist", "dpcc", "operator", "observer", "everyone", "nobody"}
+    | {"the wearer", "wearer", "the daemon", "daemon", "the end of the daemon", "bentod", "the arm", "root"}
+)
+"""Names that frames, events and the log give to others than clients."""
+
+_IN = "this connection has been let in already, as {}"
+
+_VERSION = version("bentod")
+"""Looked up once: it takes longer than all the rest of an answer."""
+
 
 class ArmMethods:
     """Handlers of what an arm is and does."""
 
     def __init__(self, room: Room) -> None:
         self._room = room
+        self._info: Packed | None = None
+        self._injector = room.injector
 
     async def hello(self, session: Session, name: Annotated[str, Text("who you are", 32)]) -> Value:
         """Give this connection a name, which others see when it moves the arm.
 
-        Returns the connection's number.
+        Returns the connection's number and its role.
         """
-        session.client = name
-        return {"session": session.id}
+        if not name.isprintable():  # it is shown on terminals, which obey what is not
+            raise BadRequest("name has characters that cannot be printed.", "name")
+        plain = " ".join(name.casefold().split())
+        if not plain or plain in RESERVED:  # who moves or stops the arm must not be in doubt
+            raise BadRequest(f"name = '{name}' is nobody's: it is empty, or the arm's own word.", "name")
+        session.client = " ".join(name.split())
+        return {"session": session.id, "role": session.peer.role}
 
-    async def get_info(self, session: Session) -> Value:
+    async def challenge(self, session: Session) -> Value:
+        """Over TCP, the first request: returns the nonce that a proof is for. Refused anywhere else."""
+        raise Refused(_IN.format(session.peer.role))
+
+    async def authenticate(
+        self,
+        session: Session,
+        proof: Annotated[str | None, Text("hex of HMAC-SHA256 of the nonce, keyed with the token")] = None,
+        token: Annotated[str | None, Text("with TLS, the token itself", secret=True)] = None,
+    ) -> Value:
+        """Over TCP, before all else: say who you are; returns your role. Refused anywhere else."""
+        raise Refused(_IN.format(session.peer.role), "proof")
+
+    async def list_clients(self, session: Session) -> Value:
+        """Who is connected: name, user or address, role, and what each was too slow for."""
+        return [client.describe() for client in self._room.sessions()]
+
+    async def get_info(self, session: Session) -> Packed:
         """What does not change while the daemon runs: version, arm, joints with limits, groups."""
+        if self._info is None or self._room.injector is not self._injector:
+            self._injector = self._room.injector
+            self._info = Packed(pack(self._describe()))
+        return self._info
+
+    def _describe(self) -> Value:
         about = self._room.about
         return {
-            "version": version("bentod"),
+            "version": _VERSION,
             "arm": about.arm,
             "driver": about.driver,
             "rate_hz": about.rate_hz,
@@ -54,11 +97,11 @@ class ArmMethods:
             "faults": list(self._room.injector.faults()) if self._room.injector else [],
         }
 
-    async def get_state(self, session: Session) -> Frame:
+    async def get_state(self, session: Session) -> Packed:
         """The frame of the last tick: everything that was read, asked, sent and expected, as one message."""
-        if self._room.newest is None:
-            raise Refused("the first tick has not passed yet")
-        return self._room.newest
+        if self._room.newest is None:  # a client may come before the first tick, or be the reason for it
+            return self._room.packed((await self._room.inbox.ask(lambda desk: None)).frame)
+        return self._room.packed(self._room.newest)
 
     async def subscribe(
         self,
@@ -82,7 +125,7 @@ class ArmMethods:
 
     async def stop(self, session: Session) -> Value:
         """Stop every joint at once and pause the arm. Never refused."""
-        await self._room.inbox.ask(lambda desk: desk.stop(session.client))
+        await self._room.inbox.stop(session.client)
         return None
 
     async def pause(
@@ -115,9 +158,10 @@ class ArmMethods:
         error says what they need besides, e.g. a power cycle.
         """
         await self._room.inbox.ask(lambda desk: desk.clear_fault())
-        needs = (await self._room.inbox.ask(lambda desk: desk.needs)).result
-        if needs:
-            raise Refused(" ".join(needs))
+        while (why := (await self._room.inbox.ask(lambda desk: desk.uncleared())).result) is None:
+            continue  # servos reboot; each question takes a tick
+        if why:
+            raise Refused(why)
         return None
 
     async def go_home(self, session: Session, joints: Joints = None) -> Value:
@@ -137,7 +181,7 @@ class ArmMethods:
         position: Angle = None,
         lease_s: Lease = 0.2,
     ) -> Value:
-        """Move one joint: at a velocity, to a position, or to a position at a speed.
+        """Move one joint: at a velocity, to a position, or to a position at a speed; a speed of 0 holds it.
 
         The wish ends with its lease or with the connection; call again to renew it. One client at a time.
         """
@@ -165,7 +209,9 @@ def _command(spec: JointSpec, velocity: float | None, position: float | None) ->
             f"{spec.minimum:g} to {spec.maximum:g} rad",
             "position",
         )
-    return Position(position, abs(velocity) if velocity else spec.max_velocity)
+    if velocity == 0:
+        return Stop()
+    return Position(position, spec.max_velocity if velocity is None else abs(velocity))
 
 
 def _topic(name: str) -> Literal["state", "events"]:

@@ -31,6 +31,7 @@ class Text:
     doc: str = ""
     max_length: int = 128
     choices: tuple[str, ...] = ()
+    secret: bool = False  # never shown, not even to whoever sent it
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +161,8 @@ def _check_bounds(param: Param, value: float) -> None:
 
 def _text(param: Param, value: Value) -> str:
     if not isinstance(value, str):
-        raise param.wrong(f"must be a {_NOUNS['text']}, not {shown(value)}")
+        secret = isinstance(param.note, Text) and param.note.secret
+        raise param.wrong(f"must be a {_NOUNS['text']}" + ("" if secret else f", not {shown(value)}"))
     if not isinstance(param.note, Text):
         return value
     if len(value) > param.note.max_length:

@@ -17,7 +17,7 @@ END = "<!-- end of reference -->"
 def table(methods: Mapping[str, Method]) -> str:
     """One row a method, in the table's order."""
     rows = [_row(method.describe()) for method in methods.values()]
-    return "\n".join(["| method | parameters | what it does |", "|---|---|---|", *rows])
+    return "\n".join(["| method | role | parameters | what it does |", "|---|---|---|---|", *rows])
 
 
 def current() -> str:
@@ -35,7 +35,7 @@ def renewed(page: str) -> str:
 def _row(method: Mapping[str, Value]) -> str:
     params = method["parameters"]
     cells = [_param(param) for param in params if isinstance(param, dict)] if isinstance(params, list) else []
-    return f"| `{method['name']!s}` | {'<br>'.join(cells) or '–'} | {method['doc']!s} |"
+    return f"| `{method['name']!s}` | {method['role']!s} | {'<br>'.join(cells) or '–'} | {method['doc']!s} |"
 
 
 def _param(param: Mapping[str, Value]) -> str:

@@ -1,6 +1,6 @@
 """What every method of the API works with: the inbox, and what does not change while the daemon runs."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -8,6 +8,7 @@ from bentod.contracts import FaultInjector
 from bentod.errors import BadRequest, nearest
 from bentod.frames import Frame, JointSpec, Value
 from bentod.inbox import Inbox
+from bentod.messages import Memo, Packed
 from bentod.serve.params import Number, Text
 from bentod.serve.session import Session
 
@@ -40,7 +41,14 @@ class Room:
         """The arm as something to break on purpose, if it is simulated."""
         self.newest: Frame | None = None
         """The frame of the last tick; the daemon keeps it up to date."""
+        self.sessions: Callable[[], Sequence[Session]] = tuple
+        """Who is connected."""
         self._attached: set[int] = set()
+        self._frames = Memo()
+
+    def packed(self, frame: Frame) -> Packed:
+        """`frame` as bytes; all who ask for the same one share them."""
+        return self._frames.of(frame)
 
     def attach(self, session: Session) -> None:
         """See to it that the session's leases end with it."""

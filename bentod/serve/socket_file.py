@@ -8,7 +8,9 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+from bentod.activation import path_of
 from bentod.errors import ConfigError, Refused
+from bentod.serve.private_path import check_private, make_folder
 
 LONGEST_PATH = 107
 """Bytes; the kernel's `sun_path` holds 108 with the final zero."""
@@ -21,18 +23,43 @@ def claimed(path: Path) -> Iterator[socket.socket]:
     `<path>.lock` stays behind: to remove it would let two daemons hold locks on two files of one name.
 
     Raises:
-        ConfigError: the path is too long, not writable, or something else lives there.
+        ConfigError: the path is too long, not writable, in a folder that is not private, or something
+            else lives there.
         Refused: a daemon already serves this path.
     """
     _check_length(path)
     with ExitStack() as stack:
         try:
-            path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            make_folder(path.parent)
+            check_private(path.parent)
             stack.enter_context(_locked(path))
             _clear(path)
             listener = stack.enter_context(_bound(path))
         except OSError as error:
             raise ConfigError(f"No socket can be made at {path}: {error.strerror}.", "socket") from error
+        yield listener
+
+
+@contextmanager
+def adopted(listener: socket.socket) -> Iterator[socket.socket]:
+    """A socket that a supervisor made and listens on; its file stays, because it is not ours.
+
+    It needs no lock: whoever else wants its path finds it answered.
+
+    Raises:
+        ConfigError: others could replace it, or everybody may connect to it.
+    """
+    path = path_of(listener)
+    with listener:
+        try:
+            check_private(path.parent)
+            open_to_all = path.stat().st_mode & stat.S_IWOTH
+        except OSError as error:
+            raise ConfigError(
+                f"The passed socket {path} is out of reach: {error.strerror}.", "socket"
+            ) from error
+        if open_to_all:
+            raise ConfigError(f"Everybody may connect to {path}; set SocketMode=0660 in its unit.", "socket")
         yield listener
 
 

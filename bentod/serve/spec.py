@@ -9,6 +9,7 @@ from typing import Annotated, TypeAlias, Union, get_args, get_origin
 from bentod.errors import BadRequest, nearest
 from bentod.frames import Value
 from bentod.serve.params import Flag, Free, Kind, Note, Number, Param, Text, shown
+from bentod.serve.peers import Role
 
 Handler: TypeAlias = Callable[..., Awaitable[object]]
 """`async def name(session, …)`: a function or a bound method; what it returns is packed into the answer."""
@@ -23,6 +24,7 @@ class Method:
     details: str  # the rest of the docstring
     params: tuple[Param, ...]
     handler: Handler
+    role: Role = Role.OBSERVER  # that a client needs
 
     async def __call__(self, session: object, params: Value) -> object:
         """Check `params` and run the handler.
@@ -80,14 +82,15 @@ class Method:
         """Plain data for `list_methods`."""
         return {
             "name": self.name,
+            "role": self.role,
             "doc": self.doc,
             "details": self.details,
             "parameters": [param.describe() for param in self.params],
         }
 
 
-def method(handler: Handler) -> Method:
-    """The table's entry for `handler`.
+def method(handler: Handler, role: Role = Role.OBSERVER) -> Method:
+    """The table's entry for `handler`, which needs `role`.
 
     Raises:
         TypeError: its signature cannot be checked or described.
@@ -100,12 +103,13 @@ def method(handler: Handler) -> Method:
     if not doc:
         raise TypeError(f"{name} needs a docstring: it is what clients read.")
     params = tuple(_param(name, parameter) for parameter in parameters[1:])
-    return Method(name, " ".join(doc.split()), details, params, handler)
+    return Method(name, " ".join(doc.split()), details, params, handler, role)
 
 
-def table(handlers: Iterable[Handler]) -> dict[str, Method]:
-    """Methods by name, in the given order."""
-    methods = [method(handler) for handler in handlers]
+def table(*, observer: Iterable[Handler] = (), operator: Iterable[Handler] = ()) -> dict[str, Method]:
+    """Methods by name, in the given order: open to whoever may connect, and to operators only."""
+    methods = [method(handler) for handler in observer]
+    methods += [method(handler, Role.OPERATOR) for handler in operator]
     named = {entry.name: entry for entry in methods}
     if len(named) < len(methods):
         raise TypeError("Two methods have the same name.")

@@ -133,8 +133,10 @@ class Bus:
             try:
                 async with asyncio.timeout_at(deadline):
                     await pending.done
-            except TimeoutError:
+            except BaseException as error:  # who asked gave up: the answer may come all the same
                 self._unsettled = True
+                if not isinstance(error, TimeoutError):
+                    raise
         return pending.replies
 
     def _duration(self, codec: Codec, request: bytes, ids: Sequence[int], size: int) -> float:

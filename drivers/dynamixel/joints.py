@@ -43,6 +43,7 @@ class DynamixelJoints:
         self._options = options
         self._period = period
         self._longest_round = period / 2
+        self._blind = max(SHORTEST_BLIND, BLIND * period)
         self._clock = clock
         self._planner = Planner(line.bus, servos, clock)
         self._inquiries = Inquiries(self._servos, self._planner, line.bus, clock, options)
@@ -70,6 +71,8 @@ class DynamixelJoints:
                 heard = servo.age(now) < DOUBTFUL * self._period
                 data = goal_bytes(servo.model, servo.goal(command if heard else Stop(), now))
                 goals.setdefault(servo.goal_address, {})[servo.id] = data
+            elif servo.age(now) >= self._blind:
+                servo.motion.lose()
         for (version, address), parts in goals.items():
             self._bus.sync_write(version, address, parts)
 
@@ -97,7 +100,7 @@ class DynamixelJoints:
         """As last confirmed."""
         return tuple(servo.torque for servo in self._servos)
 
-    async def clear_errors(self, joints: Sequence[int]) -> tuple[str, ...]:
+    async def clear_errors(self, joints: Sequence[int]) -> tuple[str, ...] | None:
         """See `bentod.contracts.Joints.clear_errors`."""
         if self._line.problem:
             return (self._line.problem,)
@@ -133,8 +136,7 @@ class DynamixelJoints:
             self._line.lose(NOBODY)
 
     def _may_be_told(self, servo: Servo, now: float) -> bool:
-        blind = max(SHORTEST_BLIND, BLIND * self._period)
-        known = servo.id not in self._unclear and servo.age(now) < blind
+        known = servo.id not in self._unclear and servo.age(now) < self._blind
         return servo.torque and known and not self._line.problem
 
 

@@ -83,6 +83,14 @@ class JointMotion:
         self._observer.pinned(self._rest.position)
         return self._rest
 
+    def lose(self) -> None:
+        """Nobody knows what the joint heard, it has been silent for so long: it is held where it is found.
+
+        The goal of a stop that it did not hear would make it jump when it is back.
+        """
+        self._rest = self._target = self._moving = self._told = None
+        self._observer.lose()
+
     def _goal(self, command: Command, now: float) -> Goal:
         match command:
             case Velocity(velocity=v) if math.isfinite(v) and v != 0:

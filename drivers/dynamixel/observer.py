@@ -67,6 +67,11 @@ class Observer:
         self._flight.note(Order(-math.inf, goal, self._tuning.pin_speed))
         self._start = self._stop = None
 
+    def lose(self) -> None:
+        """Forget all orders: nobody knows which of them the servo heard."""
+        self._flight = Flight()
+        self._start = self._stop = None
+
     def course(self, now: float) -> Course:
         """The reference when what is sent at `now` (monotonic s) takes effect.
 

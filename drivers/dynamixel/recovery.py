@@ -24,22 +24,32 @@ GOING_DOWN = 0.05
 BOOT = 1.0
 """s that a reboot may take, assumed."""
 
-GLANCES = 0.02
-"""s between two questions whether a servo is back; they also keep the watchdogs of all others quiet."""
-
 
 class Recovery:
-    """Clears the errors of servos on one bus."""
+    """Clears the errors of servos on one bus. Nobody waits for a reboot: each call looks if it is over."""
 
     def __init__(self, options: Options, clock: Clock) -> None:
         self._options = options
         self._clock = clock
+        self._booting: dict[int, float] = {}  # monotonic s when it was told to, by id
+        self._needs: dict[int, str] = {}  # by id of servos that are done, while others are not
 
-    async def clear(self, servos: Sequence[Servo]) -> tuple[str, ...]:
-        """Do what can be done; returns a sentence about each servo that needs something else."""
-        needs = [await self._begin(servo) for servo in servos]
-        needs += [await self._end(servo) for servo in servos if servo.rebooting]
-        return tuple(dict.fromkeys(need for need in needs if need))
+    async def clear(self, servos: Sequence[Servo]) -> tuple[str, ...] | None:
+        """Do what can be done; returns a sentence about each servo that needs something else.
+
+        None while some are rebooting: then call again, soon.
+        """
+        if not self._booting:
+            self._needs.clear()
+        for servo in servos:
+            if servo.id in self._booting:
+                await self._look_for(servo)
+            elif servo.id not in self._needs:
+                self._needs[servo.id] = await self._begin(servo)
+        if not self._booting.keys().isdisjoint(servo.id for servo in servos):
+            return None
+        self._booting.clear()
+        return tuple(dict.fromkeys(need for need in self._needs.values() if need))
 
     async def _begin(self, servo: Servo) -> str:
         try:
@@ -48,6 +58,7 @@ class Recovery:
             await servo.read_window()
             if servo.condition.alert:
                 await servo.reboot()
+                self._booting[servo.id] = self._clock.now()
             elif servo.condition.tripped:
                 await self._go_on(servo)
         except BusError as error:
@@ -80,15 +91,20 @@ class Recovery:
             await servo.put_bytes(servo.model.layout.goal[0], data)
             await watch(servo, self._options.dead_man_s or 0.0)
 
+    async def _look_for(self, servo: Servo) -> None:
+        """See whether a servo is back from its reboot, and what it is left with."""
+        took = self._clock.now() - self._booting[servo.id]
+        if took < GOING_DOWN:
+            return
+        if await servo.glimpse():
+            self._needs[servo.id] = await self._end(servo)
+        elif took > BOOT:
+            self._needs[servo.id] = f"{servo} has not come back from its reboot; it needs a power cycle."
+        else:
+            return
+        del self._booting[servo.id]
+
     async def _end(self, servo: Servo) -> str:
-        """Wait for a servo that reboots, and see what it is left with."""
-        servo.rebooting = False
-        began = self._clock.now()
-        await self._clock.sleep_until(began + GOING_DOWN)
-        while not await servo.glimpse():
-            if self._clock.now() > began + BOOT:
-                return f"{servo} has not come back from its reboot; it needs a power cycle."
-            await self._clock.sleep_until(self._clock.now() + GLANCES)
         try:
             servo.torque = await servo.get("Torque Enable") != 0
             servo.in_doubt = False

@@ -29,8 +29,6 @@ class Servo:
         """As last confirmed."""
         self.in_doubt = True
         """It was silent, or reset, or an order was not confirmed: `torque` must be read again."""
-        self.rebooting = False
-        """It was told to reboot, and not looked for since."""
         self._bus = bus
         self._protocol = self.model.layout.protocol
         self._attempts = options.attempts
@@ -88,7 +86,6 @@ class Servo:
         self.in_doubt = True
         if await self._persist(lambda: self._bus.reboot(self.id)) is None:
             raise self.error("did not confirm to reboot; check its cable and its power.")
-        self.rebooting = True
 
     async def read_window(self) -> Reading:
         """A reading made now.

@@ -33,7 +33,7 @@ class Arm:
         self.asked: list[tuple[object, ...]] = []
         self.left = threading.Event()
         self.end = "done"
-        self.methods = table(self._handlers())
+        self.methods = table(observer=self._handlers())
         self.server = Server(self.methods, path)
 
     def _handlers(self) -> tuple[Handler, ...]:

@@ -296,3 +296,8 @@ def test_the_state_is_watched_until_ctrl_c(
         eventually(lambda: len(said()) > 4)
         ticks = [json.loads(line)["tick"] for line in said()[:4]]
         assert ticks == sorted(set(ticks))
+
+
+def test_who_is_connected_is_shown(arm: BlockingClient, ask: Ctl) -> None:
+    arm.call("hello", name="researcher")
+    assert "name: researcher" in done(ask("clients"))

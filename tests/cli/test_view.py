@@ -18,7 +18,8 @@ from bentod.frames import (
     JointFrame,
     Mode,
 )
-from bentod.messages import Decoder, Limits, Notification, encode_notification
+from bentod.framing import Limits
+from bentod.messages import Decoder, Notification, encode_notification
 from tests.rig import Table, table
 
 ESCAPE = re.compile(r"\x1b\[[0-9;]*m")

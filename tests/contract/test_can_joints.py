@@ -30,6 +30,7 @@ from tests.contract.test_joints import (
     rig,
 )
 from tests.drivers.can.multicast import GROUP, free_port, multicast
+from tests.fakes import cleared
 
 __all__ = ["rig"]
 
@@ -192,7 +193,7 @@ async def test_an_error_stays_until_it_is_cleared_and_its_cause_is_gone(rig: Rig
 
 async def test_errors_of_a_silent_joint_are_not_said_to_be_cleared(rig: Rig) -> None:
     rig.joints.inject("silent", ELBOW, True)
-    (told,) = await rig.joints.clear_errors([ELBOW])
+    (told,) = await cleared(rig.joints, [ELBOW])
     assert told == "elbow_flexion (node 3) did not answer: its errors may not be cleared."
 
 

@@ -19,6 +19,7 @@ from bentod.frames import Command, Freshness, Position, State, Stop, Value, Velo
 from sim.bento import bento_joints
 from sim.clock import VirtualClock
 from sim.joints import open_joints, open_plain_joints
+from tests.fakes import cleared
 
 PERIOD = 1 / 30
 DEAD_MAN = 0.35
@@ -409,7 +410,7 @@ async def test_an_overload_can_be_cleared_and_the_joint_moves_again(rig: Rig) ->
     assert (await rig.run(0.3)).joints[GRIPPER].errors
     rig.want(dict.fromkeys(range(5)))
     where = rig.track(GRIPPER)[-1]
-    assert await rig.joints.clear_errors([GRIPPER]) == ()
+    assert await cleared(rig.joints, [GRIPPER]) == ()
     state = await rig.run(1.5)
     assert state.joints[GRIPPER].errors == ()
     assert state.joints[GRIPPER].position == pytest.approx(where, abs=radians(1))
@@ -422,7 +423,7 @@ async def test_an_overload_can_be_cleared_and_the_joint_moves_again(rig: Rig) ->
 async def test_a_servo_that_is_still_hot_is_not_cleared_and_says_so(rig: Rig) -> None:
     rig.joints.inject("overheat", GRIPPER, True)
     await rig.run(0.3)
-    (sentence,) = await rig.joints.clear_errors([GRIPPER])
+    (sentence,) = await cleared(rig.joints, [GRIPPER])
     assert "gripper" in sentence
     assert sentence.endswith(".")
     assert (await rig.run(1.5)).joints[GRIPPER].errors
@@ -431,7 +432,7 @@ async def test_a_servo_that_is_still_hot_is_not_cleared_and_says_so(rig: Rig) ->
 async def test_clearing_nothing_but_good_joints_changes_nothing(rig: Rig) -> None:
     await rig.torque_on()
     rig.want({SHOULDER: Stop()})
-    assert await rig.joints.clear_errors([SHOULDER, GRIPPER]) == ()
+    assert await cleared(rig.joints, [SHOULDER, GRIPPER]) == ()
     await rig.run(1.5)
     assert all(not joint.errors for joint in rig.states[-1].joints)
     assert rig.joints.torque()[ELBOW]
@@ -440,14 +441,14 @@ async def test_clearing_nothing_but_good_joints_changes_nothing(rig: Rig) -> Non
 async def test_errors_of_a_silent_joint_are_not_cleared_which_is_said(rig: Rig) -> None:
     rig.joints.inject("silent", GRIPPER, True)
     await rig.run(0.5)
-    (sentence,) = await rig.joints.clear_errors([GRIPPER])
+    (sentence,) = await cleared(rig.joints, [GRIPPER])
     assert sentence.endswith(".")
 
 
 async def test_errors_behind_a_pulled_cable_are_not_cleared_which_is_said(rig: Rig) -> None:
     rig.joints.inject("cable", None, True)
     await rig.run(0.2)
-    assert await rig.joints.clear_errors([SHOULDER, GRIPPER])
+    assert await cleared(rig.joints, [SHOULDER, GRIPPER])
 
 
 async def test_a_cable_that_is_plugged_in_again_finds_the_same_arm(rig: Rig) -> None:

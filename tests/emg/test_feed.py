@@ -100,6 +100,48 @@ async def test_a_source_that_ends_is_found_out_within_100_ms_for_good(clock: Vir
         assert not feed.alive(clock.now())
 
 
+async def test_samples_that_come_late_are_not_believed_until_they_are_in_time(clock: VirtualClock) -> None:
+    async with wearer(clock) as (source, feed):
+        source.late = 0.3
+        await clock.sleep_until(1.1)
+        assert feed.problem(clock.now()).startswith("No EMG sample for 0.1")
+        await clock.sleep_until(2.0)
+        assert re.fullmatch(
+            r"EMG samples are 0.3\d s old when they come; the bound is 0.06 s.", feed.problem(clock.now())
+        )
+        source.late = 0.0
+        await clock.sleep_until(2.5)
+        assert feed.alive(clock.now())
+
+
+@pytest.mark.parametrize(("drift", "seconds"), [(0.01, 120), (-0.01, 28)])
+async def test_a_source_whose_clock_drifts_is_believed(
+    clock: VirtualClock, drift: float, seconds: float
+) -> None:
+    async with wearer(clock) as (source, feed):
+        source.drift = drift
+        while clock.now() < seconds:
+            await clock.sleep_until(clock.now() + 0.0201)
+            assert feed.problem(clock.now()) == ""
+            assert abs(feed.age(clock.now())) < 0.04
+
+
+async def test_a_source_that_grows_later_and_later_is_found_out(clock: VirtualClock) -> None:
+    async with wearer(clock) as (source, feed):
+        source.drift = -0.01
+        await clock.sleep_until(50.0)
+        assert "old when they come" in feed.problem(clock.now())
+
+
+async def test_a_drifting_source_that_dies_is_found_out_all_the_same(clock: VirtualClock) -> None:
+    async with wearer(clock) as (source, feed):
+        source.drift = 0.01
+        await clock.sleep_until(30.0)
+        source.stall = True
+        await clock.sleep_until(30.1)
+        assert feed.problem(clock.now()).startswith("No EMG sample for 0.")
+
+
 async def test_samples_that_are_not_numbers_are_found_out_within_100_ms(clock: VirtualClock) -> None:
     async with wearer(clock) as (source, feed):
         source.nan = True

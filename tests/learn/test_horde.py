@@ -1,3 +1,5 @@
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -64,7 +66,7 @@ def test_a_learner_gone_bad_starts_again_and_is_counted_in_question_order() -> N
     horde, undisturbed = new_horde(), new_horde()
     horde.step(np.array([0, 3, 7]), [0.0, 0.0])
     undisturbed.step(np.array([0, 3, 7]), [0.0, 0.0])
-    horde._groups[0].learner._w[1, 3] = np.nan
+    horde._groups[1].learner._w[1, 3] = np.nan
     mine = horde.step(np.array([0, 3, 7]), [0.1, 0.1])
     theirs = undisturbed.step(np.array([0, 3, 7]), [0.1, 0.1])
     assert horde.resets == (0, 0, 1, 0)
@@ -78,6 +80,47 @@ def test_after_a_cut_the_gap_is_not_learned_from() -> None:
     horde.cut()
     predictions = horde.step(np.array([0, 3, 7]), [9.0, 9.0])
     assert [p.position for p in predictions] == pytest.approx(INITIAL)
+
+
+def after(answers: list[bool]) -> Callable[[], bool]:
+    """There is time for as long as `answers` says."""
+    return iter(answers).__next__
+
+
+def test_the_shortest_timescale_learns_while_there_is_time_and_the_others_only_predict() -> None:
+    horde, undisturbed, ignorant = new_horde(), new_horde(), new_horde()
+    features, positions = journey(20)
+    for phi, now in zip(features, positions, strict=True):
+        ignorant.cut()
+        mine = horde.step(np.array(phi), now, after([True, False]))
+        theirs = undisturbed.step(np.array(phi), now)
+        first = ignorant.step(np.array(phi), now)
+    assert [p for p in mine if p.timescale == 4] == [p for p in theirs if p.timescale == 4]
+    assert [p for p in mine if p.timescale == 20] == [p for p in first if p.timescale == 20]
+    assert (horde.shed, undisturbed.shed) == (20, 0)
+
+
+def test_what_was_not_learned_for_lack_of_time_is_as_if_an_episode_began_there() -> None:
+    hurried, cut = new_horde(), new_horde()
+    features, positions = journey(60)
+    for step, (phi, now) in enumerate(zip(features, positions, strict=True)):
+        mine = hurried.step(np.array(phi), now, lambda step=step: step % 7 != 3)  # type: ignore[misc]
+        if step % 7 == 3:
+            cut.cut()
+        theirs = cut.step(np.array(phi), now)
+        assert mine == theirs
+    assert hurried.shed == 2 * 9
+
+
+def test_groups_that_take_their_steps_one_after_another_learn_what_they_learn_together() -> None:
+    apart, together = new_horde(), new_horde()
+    features, positions = journey(30)
+    for phi, now in zip(features, positions, strict=True):
+        long = apart.step(np.array(phi), now, timescales=[20])
+        short = apart.step(np.array(phi), now, timescales=[4])
+        theirs = together.step(np.array(phi), now)
+        assert long == (theirs[0], theirs[2])
+        assert short == (theirs[1], theirs[3])
 
 
 @pytest.mark.parametrize("step_size", [0.0, -1.0, 1.1])

@@ -8,7 +8,8 @@ from typing import Annotated, Literal
 
 from bentod.errors import Refused
 from bentod.frames import AssistFrame, Costs, EmgFrame, Event, Frame, Mode, Value
-from bentod.messages import Decoder, Limits, Message, encode_request
+from bentod.framing import Limits
+from bentod.messages import Decoder, Message, encode_request
 from bentod.serve.params import Number, Text
 from bentod.serve.server import Server
 from bentod.serve.session import Bounds, Session
@@ -94,10 +95,15 @@ class Plug:
     def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self.writer = writer
         self._reader = reader
-        self._decoder = Decoder(Limits(size=2**22))
+        self._decoder = Decoder(Limits(size=2**22, items=2**16))
 
     def ask(self, id_: int, method: str, *params: Value) -> None:
         self.writer.write(encode_request(id_, method, list(params)))
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the server has closed the connection."""
+        return self._reader.at_eof() or self._reader.exception() is not None
 
     async def next(self) -> Message | None:
         """The next message; None at the end of the connection."""
@@ -121,4 +127,4 @@ async def plugged(path: Path) -> AsyncIterator[Plug]:
 
 def serving(path: Path, *handlers: Handler, bounds: Bounds | None = None) -> Server:
     """A server of the toys and of `handlers`."""
-    return Server(table(TOYS + handlers), path, bounds)
+    return Server(table(observer=TOYS + handlers), path, bounds)

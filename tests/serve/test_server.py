@@ -203,12 +203,12 @@ async def test_what_a_client_held_ends_with_it(path: Path) -> None:
         session.once("same", lambda: ended.append("once"))
         session.once("same", lambda: ended.append("twice"))
         session.client = "researcher"
-        return [session.peer.pid, session.peer.uid]
+        return [session.peer.name, session.peer.user]
 
     async with serving(path, hold) as server:
         async with plugged(path) as plug:
             plug.ask(1, "hold")
-            assert await plug.next() == Response(1, None, [os.getpid(), os.getuid()])
+            assert await plug.next() == Response(1, None, [f"pid {os.getpid()}", f"uid {os.getuid()}"])
             assert ended == []
         await asyncio.sleep(0.1)
         assert ended == ["once", "researcher"]

@@ -178,7 +178,7 @@ def test_types_are_told_in_words() -> None:
 
 
 def test_an_unknown_method_names_the_nearest() -> None:
-    methods = table((move, pause))
+    methods = table(observer=(move, pause))
     assert find(methods, "move").name == "move"
     with pytest.raises(BadRequest, match=r"There is no method 'puase'; did you mean 'pause'\?"):
         find(methods, "puase")
@@ -206,4 +206,4 @@ def test_functions_that_cannot_be_methods_are_refused_at_once() -> None:
         with pytest.raises(TypeError):
             method(handler)
     with pytest.raises(TypeError, match="same name"):
-        table((move, move))
+        table(observer=(move,), operator=(move,))

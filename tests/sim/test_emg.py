@@ -11,7 +11,7 @@ from bentod.control.switching import ToggleSite, Toggling
 from bentod.errors import ConfigError
 from bentod.frames import EmgBlock, Samples, Value
 from sim.clock import VirtualClock
-from sim.emg import Synthetic, open_emg
+from sim.emg import RAIL, Synthetic, open_emg
 from sim.emg_wearer import CIRCUIT, NEGATIVE, POSITIVE, TOGGLE, Options, Wearer
 
 LAP = 1760  # samples of the standard program at 200 Hz
@@ -55,17 +55,17 @@ def test_the_standard_program_is_a_closed_circuit() -> None:
 
 def test_muscles_are_as_loud_as_real_ones() -> None:
     samples = record(20)
-    assert mav(samples, POSITIVE, 0.4, 1.2) == pytest.approx(60, rel=0.05)
-    assert mav(samples, NEGATIVE, 4.8, 5.6) == pytest.approx(60, rel=0.05)
-    assert mav(samples, POSITIVE, 4.8, 8.7) == pytest.approx(2.5, rel=0.05)
-    assert mav(samples, NEGATIVE, 0.0, 4.2) == pytest.approx(2.5, rel=0.05)
+    assert mav(samples, POSITIVE, 1.2, 2.0) == pytest.approx(60, rel=0.05)
+    assert mav(samples, NEGATIVE, 5.6, 6.4) == pytest.approx(60, rel=0.05)
+    assert mav(samples, POSITIVE, 5.6, 8.7) == pytest.approx(2.5, rel=0.05)
+    assert mav(samples, NEGATIVE, 0.8, 5.0) == pytest.approx(2.5, rel=0.05)
 
 
 def test_a_muscle_follows_the_intent_with_a_lag() -> None:
     samples = record(200)
-    assert mav(samples, POSITIVE, 0.0, 0.02) < 10
-    assert mav(samples, POSITIVE, 0.06, 0.08) == pytest.approx(60 * (1 - np.exp(-1)) ** 1.5, rel=0.1)
-    assert mav(samples, POSITIVE, 1.2, 1.22) > 40
+    assert mav(samples, POSITIVE, 0.8, 0.82) < 10
+    assert mav(samples, POSITIVE, 0.86, 0.88) == pytest.approx(60 * (1 - np.exp(-1)) ** 1.5, rel=0.1)
+    assert mav(samples, POSITIVE, 2.0, 2.02) > 40
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -78,7 +78,7 @@ def test_ten_laps_toggle_twenty_times_and_lead_nowhere(seed: int) -> None:
 
 
 def test_the_signal_has_the_band_of_surface_emg() -> None:
-    samples = Wearer(Options(program=(CIRCUIT[0],)), 2000.0, 3).read(0, 2**15)[:, POSITIVE]
+    samples = Wearer(Options(program=(CIRCUIT[1],)), 2000.0, 3).read(0, 2**15)[:, POSITIVE]
     power = np.abs(np.fft.rfft(samples)) ** 2
     frequency = np.fft.rfftfreq(2**15, 1 / 2000.0)
     assert power[(frequency > 15) & (frequency < 500)].sum() > 0.9 * power.sum()
@@ -178,3 +178,48 @@ async def test_a_rate_out_of_bounds_is_refused(clock: VirtualClock) -> None:
     with pytest.raises(ConfigError, match="cannot run at 20 Hz; it must be from 50 to 10000 Hz"):
         async with open_emg(EmgConfig(20.0, 3, {}), clock):
             pass
+
+
+async def test_a_stuck_channel_gives_one_value_and_the_others_theirs(clock: VirtualClock) -> None:
+    async with open_emg(config(), clock) as source:
+        source.stuck = {1: 5e-6}
+        samples = np.concatenate([block.samples for block in await listen(source, clock, 1.0)])
+    assert set(samples[:, 1]) == {np.float32(5e-6)}
+    assert len(set(samples[:, 0])) > 100
+
+
+async def test_a_saturated_channel_is_at_its_rails(clock: VirtualClock) -> None:
+    async with open_emg(config(), clock) as source:
+        source.saturated = (0,)
+        samples = np.concatenate([block.samples for block in await listen(source, clock, 1.0)])
+    assert np.mean(np.abs(samples[:, 0]) == np.float32(RAIL)) > 0.9
+
+
+async def test_late_blocks_carry_the_times_at_which_they_were_taken(clock: VirtualClock) -> None:
+    arrivals = []
+    async with open_emg(config(), clock) as source:
+        source.late = 0.3
+        async for block in source:
+            arrivals.append((block.first_index, clock.now() - block.time))
+            if block.first_index > 100:
+                break
+    assert [late for _, late in arrivals] == pytest.approx([0.31] * len(arrivals), abs=0.001)
+    assert [first for first, _ in arrivals] == list(range(0, 2 * len(arrivals), 2))
+
+
+async def test_a_clock_that_drifts_parts_from_ours_and_never_jumps(clock: VirtualClock) -> None:
+    async with open_emg(config(), clock) as source:
+        source.drift = 0.01
+        first = await listen(source, clock, 10.0)
+        source.drift = 0.0
+        second = await listen(source, clock, 1.0)
+    assert first[-1].time == pytest.approx(10.1, abs=0.02)
+    assert second[-1].time == pytest.approx(11.1, abs=0.02)
+    assert second[0].first_index == first[-1].first_index + 2
+
+
+async def test_a_wearer_at_rest_is_quiet_on_every_channel(clock: VirtualClock) -> None:
+    async with open_emg(config(), clock) as source:
+        source.relaxed = True
+        samples = np.concatenate([block.samples for block in await listen(source, clock, 1.0)])
+    assert np.abs(samples).mean(axis=0).max() < 5e-6

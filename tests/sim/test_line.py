@@ -116,6 +116,13 @@ async def test_a_late_reply_is_late() -> None:
     assert host.heard[0][0] > 0.016
 
 
+async def test_a_slow_adapter_is_slow_for_every_line_of_the_arm() -> None:
+    host = Host()
+    host.arm.latency = 0.015
+    await host.ping()
+    assert host.heard[0][0] > 0.016
+
+
 async def test_an_echo_comes_before_the_reply() -> None:
     host = Host()
     host.line.echo = True

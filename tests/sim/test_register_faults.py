@@ -15,6 +15,7 @@ from sim.clock import VirtualClock
 from sim.dynamixel.bus import Bus
 from sim.joints import SimulatedJoints, open_joints
 from sim.options import parse_options
+from tests.fakes import cleared
 
 NAMES = ("MX-64(2.0)", "MX-106", "AX-12A", "MX-28(2.0)", "MX-28")
 REGISTER_FAULTS = ("wrong_model", "wrong_firmware", "id_clash", "narrow_limits")
@@ -129,7 +130,7 @@ async def test_a_watchdog_that_tripped_is_told_and_can_be_cleared(
     await clock.sleep_until(clock.now() + 1.0)  # as when the host was held up
     await run(joints, clock, 1.0)
     assert (await joints.read()).joints[3].errors
-    assert await joints.clear_errors([3]) == ()
+    assert await cleared(joints, [3]) == ()
     await run(joints, clock, 1.0)
     assert (await joints.read()).joints[3].errors == ()
 

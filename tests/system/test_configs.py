@@ -70,7 +70,8 @@ async def test_a_shipped_config_runs_at_its_rate_without_a_fault(tmp_path: Path,
     assert left == "The arm was left limp."
     last = frames[-1]
     assert last["fault"] == ""
-    assert number(last, "missed") <= 1  # to switch on five servos takes longer than a tick
+    # To switch on five servos takes longer than a tick, and a motor on CAN confirms it every 0.1 s.
+    assert number(last, "missed") <= (4 if name == "wrist.toml" else 1)
     assert last["mode"] == ("active" if config.safety.start == "active" else "limp")
     assert all(found["freshness"] == "fresh" for found in tables(last, "joints"))
     assert all(predictions(found) for found in tables(last, "joints"))
@@ -92,7 +93,9 @@ async def test_the_real_arm_starts_limp_and_does_not_move_by_itself(tmp_path: Pa
 def armband(path: Path, channel: int) -> None:
     """Counts of an eight-channel armband, of which one channel contracts from 0.5 s on."""
     counts = np.zeros((2 * RATE_HZ, 8), np.int8)
-    counts[RATE_HZ // 2 :, channel] = np.where(np.arange(2 * RATE_HZ - RATE_HZ // 2) % 2, 40, -40)
+    random = np.random.default_rng(1)
+    muscle = random.integers(30, 51, 2 * RATE_HZ) * random.choice([-1, 1], 2 * RATE_HZ)
+    counts[RATE_HZ // 2 :, channel] = muscle[RATE_HZ // 2 :]
     np.savez(path, emg=counts, fs=RATE_HZ)
 
 

@@ -33,6 +33,7 @@ from tests.drivers.dynamixel.arm2 import (
 )
 from tests.drivers.dynamixel.wire import Wire, framed, status, word
 from tests.drivers.dynamixel.wire2 import framed2, long, status2
+from tests.fakes import cleared
 
 BOTH = config2(ELBOW_2, WRIST_2)
 USUAL, NEXT = (126, 21), (124, 23)
@@ -244,7 +245,7 @@ async def test_clearing_a_tripped_watchdog_leaves_the_joint_where_it_is(
         expect_write2(wire, 3, 98, b"\x00")
         expect_write2(wire, 3, 112, long(5) + long(2060))
         expect_write2(wire, 3, 98, b"\x00")  # the dead-man is off in this config
-        assert await joints.clear_errors([0]) == ()
+        assert await cleared(joints, [0]) == ()
         assert joints.torque() == (True,)
     assert wire.finished()
 
@@ -260,7 +261,7 @@ async def test_a_hardware_error_is_cleared_by_a_reboot_which_leaves_the_joint_li
         wire.expect(framed2(3, 1), status2(3, *word(30), 45))
         for address, size in ((64, 1), USUAL, (70, 1), (98, 1)):
             expect_read2(wire, wrist2(), address, size)
-        assert await joints.clear_errors([0]) == ()
+        assert await cleared(joints, [0]) == ()
         assert joints.torque() == (False,)
     assert wire.finished()
 
@@ -272,7 +273,7 @@ async def test_a_servo_that_does_not_come_back_needs_a_power_cycle(wire: Wire, c
         wire.expect(framed2(3, 8), status2(3))
         wire.expect(framed2(3, 1), times=100)
         began = clock.now()
-        (need,) = await joints.clear_errors([0])
+        (need,) = await cleared(joints, [0])
     assert "has not come back from its reboot; it needs a power cycle" in need
     assert clock.now() - began < 1.2
 

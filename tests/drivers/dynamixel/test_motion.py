@@ -142,6 +142,17 @@ def test_a_stop_after_a_change_of_speed_counts_each_speed_for_its_own_time() -> 
     assert goal.position == pytest.approx(0.1 + LEAD + way)
 
 
+def test_a_joint_that_is_back_from_silence_is_held_where_it_is_found() -> None:
+    joint = Moved()
+    joint.tell(Velocity(SPEED), MOVING)
+    unheard = joint.tell(Stop(), MOVING)
+    joint.motion.lose()
+    found = replace(MIDDLE, position=0.3)
+    assert unheard.position < 0.2
+    assert joint.tell(Stop(), found).position == pytest.approx(0.3)
+    assert joint.tell(Stop(), replace(found, position=0.31)).position == pytest.approx(0.3)
+
+
 def test_firmware_2_shows_its_reference() -> None:
     joint = JointMotion(SPEC, TUNING)
     for tick in range(10):

@@ -9,6 +9,7 @@ from drivers.dynamixel.joints import DynamixelJoints, open_over
 from sim.clock import VirtualClock
 from tests.drivers.dynamixel.arm import CONFIG, WRIST, expect_audit, longer, read, window, wrist
 from tests.drivers.dynamixel.wire import Wire
+from tests.fakes import cleared
 
 ONE = replace(CONFIG, joints=(WRIST,))
 GONE = "The adapter was unplugged."
@@ -116,7 +117,7 @@ async def test_while_the_bus_is_being_found_again_nothing_is_asked_of_it(
         await joints.read()
         with pytest.raises(BusError, match="Reconnecting"):
             await joints.set_torque([False])
-        (need,) = await joints.clear_errors([0])
+        (need,) = await cleared(joints, [0])
         assert need.endswith("Reconnecting.")
 
 

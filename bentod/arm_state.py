@@ -1,0 +1,177 @@
+"""What the arm is between two ticks, and what the tick tells it: readings, torque, faults, operators."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from bentod.control.arbiter import OPERATORS
+from bentod.control.clients import Clients
+from bentod.control.goals import Goals
+from bentod.control.groups import Group, Groups
+from bentod.control.guard import Guard
+from bentod.control.health import Ladder
+from bentod.control.journal import Journal
+from bentod.control.limiter import Limiter
+from bentod.control.modes import Modes
+from bentod.control.operators import Asked, Operators
+from bentod.control.recency import Recency
+from bentod.frames import JointSpec, State, Value, Velocity, Wishes
+from bentod.mind import Mind
+from bentod.muscles import Muscles
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """The config's safety table as the desk needs it: SI units."""
+
+    ladder: Ladder
+    limp_on_fault: bool
+    home_speed: float  # rad/s
+    lease_max: float  # s
+
+
+_TORQUE = "torque"
+"""The matter of torque that is asked for in every tick until it is confirmed."""
+
+
+class ArmState:
+    """The parts of one arm, which share a journal. Nothing here touches the bus."""
+
+    def __init__(
+        self,
+        specs: Sequence[JointSpec],
+        groups: Groups,
+        modes: Modes,
+        rules: Rules,
+        muscles: Muscles,
+        mind: Mind,
+    ) -> None:
+        self.specs = tuple(specs)
+        self.groups = groups
+        self.modes = modes
+        self.muscles = muscles
+        self.mind = mind
+        self.meta: Value = None
+        self.clients = Clients()
+        self.journal = Journal(self.specs)
+        self.goals = Goals(modes, self.journal.goal)
+        self.state: State | None = None
+        self.to_clear: tuple[int, ...] = ()
+        """Joints whose servos are to clear their errors in this tick."""
+        self.needs: tuple[str, ...] = ()
+        """What servos needed besides, when they were last asked to clear their errors."""
+        self.rules = rules
+        self.limiter = Limiter(self.specs, rules.ladder)
+        self.recency = Recency()
+        self.interventions = 0
+        """How often joints were stopped, paused, released or had their torque switched, or a fault came."""
+        self._operators = Operators([group.name for group in groups], OPERATORS)
+        self._guard = Guard(self.specs, modes, rules.ladder, self.journal)
+
+    def begin(self, now: float) -> None:
+        """A tick begins (monotonic s): leases are reckoned from here."""
+        self.journal.now = now
+        self.recency.begin(now)
+
+    @property
+    def now(self) -> float:
+        """Monotonic s of the tick under way."""
+        return self.journal.now
+
+    def watch(self, state: State, now: float) -> None:
+        """Take in a new reading: staleness, heat, servo errors, leases that ran out, the goal's progress."""
+        self.state = state
+        self.journal.now = now
+        reason, limp = self._guard.take(state)
+        if reason:
+            self.fault(reason)
+        self.modes.ask_torque(limp, False)
+        self.clients.expire(now)
+        self.goals.advance(state.joints, now)
+
+    def torque_confirmed(self, torque: Sequence[bool]) -> None:
+        """Take over the torque that the hardware reports."""
+        before = [self.modes.has_torque(joint) for joint in range(len(self.specs))]
+        self.modes.confirm_torque(torque)
+        if self.modes.wanted_torque == tuple(torque):
+            self.journal.settled(_TORQUE)
+        for on in (True, False):
+            changed = [joint for joint, was in enumerate(before) if torque[joint] is on is not was]
+            if changed:
+                self.journal.note("mode", f"torque is {'on' if on else 'off'}: {self._names(changed)}")
+
+    def torque_found(self, torque: Sequence[bool]) -> None:
+        """Servos lost or gained torque by themselves: that is a fault, and what they have is believed."""
+        lost = [j for j, on in enumerate(torque) if self.modes.has_torque(j) and not on]
+        self.torque_confirmed(torque)
+        what = f"{self._names(lost)} lost torque" if lost else "a servo gained torque"
+        self.fault(f"{what} unasked: power or servo was reset")
+
+    def errors_cleared(self, needs: Sequence[str]) -> None:
+        """The servos in `to_clear` have done what they could; `needs` says what some of them need besides."""
+        self.to_clear = ()
+        self.needs = tuple(needs)
+        if needs:
+            self.journal.note("fault", f"not cleared: {' '.join(needs)}")
+            return
+        self.modes.clear_fault()
+        self.journal.note("fault", "fault cleared; joints stay paused")
+
+    def fault(self, reason: str) -> None:
+        """The one door into fault; the first reason stays until it is cleared."""
+        if self.modes.enter_fault(reason, self.rules.limp_on_fault):
+            self.interventions += 1
+            self.clients.clear()
+            self.limiter.reset()
+            self.goals.cancel(f"fault: {reason}")
+            self.journal.note("fault", reason)
+
+    def torque_failed(self, why: str) -> None:
+        """The hardware did not confirm a torque that was asked for; that is told even in a fault."""
+        reason = f"torque could not be switched: {why}"
+        if self.modes.fault:
+            self.journal.note_seldom("fault", _TORQUE, reason)
+        self.fault(reason)
+
+    def operate(self, asked: Mapping[str, Asked]) -> dict[str, Wishes]:
+        """What each operator may have of what they ask; that ends a goal that they may disturb."""
+        taken = [group.name for group in self.groups if self.clients.holder(group.active)]
+        wishes: dict[str, Wishes] = {}
+        for name, granted in self._operators.decide(asked, taken, self.now).items():
+            for group in granted.toggles:
+                self._toggle(self.groups.group(group), 1, "the wearer")
+            wishes[name] = self.groups.wishes(granted.efforts)
+            if wishes[name] or granted.toggles:
+                self.goals.disturb("the wearer moved")
+        return wishes
+
+    def driver(self, group: Group) -> tuple[str, float]:
+        """Who drives a group, and what they ask of its active joint (-1..1)."""
+        client = self.clients.holder(group.active)
+        if client is None:
+            return self._operators.driver(group.name), self._operators.effort(group.name)
+        wish = self.clients.wishes()[group.active]
+        top = self.specs[group.active].max_velocity
+        return f"client:{client.client}", wish.velocity / top if isinstance(wish, Velocity) else 0.0
+
+    def _suspend_operators(self, joints: Sequence[int]) -> None:
+        """Whoever contracts while `joints` are released must rest once before they move any of them."""
+        for group in self.groups:
+            if not set(group.joints).isdisjoint(joints):
+                self._operators.suspend(group.name)
+
+    def _toggle(self, group: Group, steps: int, who: str) -> Group:
+        group.toggle(steps)
+        self._switched(group, who)
+        return group
+
+    def _switched(self, group: Group, who: str) -> None:
+        name = self.specs[group.active].name
+        self.clients.drop_group(group.name)
+        self.mind.toggled(self.now)
+        self.journal.note(
+            "group", f"{who} switched {group.name} to {name}", {"group": group.name, "active": name}
+        )
+
+    def _names(self, joints: Sequence[int]) -> str:
+        whole = len(joints) == len(self.specs)
+        return "the arm" if whole else ", ".join(self.specs[joint].name for joint in joints)
