@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from random import Random
 
 from bentod.frames import Command, Position, Velocity
+from bentod.lateness.histogram import percentile
 from sim.clock import run
-from tests.benchmarks.harness import Row, at_least, at_most, main, percentile
+from tests.benchmarks.harness import Row, at_least, at_most, main
 from tests.benchmarks.rigs.kill9 import kills
 from tests.benchmarks.rigs.stops import Bench, Condition, bench
 

@@ -51,12 +51,6 @@ def medians(measures: Mapping[str, Callable[[], float]], rounds: int = 7) -> dic
     return {name: statistics.median(values) for name, values in interleave(measures, rounds).items()}
 
 
-def percentile(values: Sequence[float], share: float) -> float:
-    """The value that `share` (0..1) of the values do not exceed: one of them, never between two."""
-    ordered = sorted(values)
-    return ordered[min(int(share * len(ordered)), len(ordered) - 1)]
-
-
 def main(name: str, rows: Iterable[Row], folder: Path = BUILD) -> None:
     """Print `rows` as a table and write them to `folder`/`name`.json. A missed target is told, not raised."""
     found = list(rows)

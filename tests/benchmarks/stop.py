@@ -14,7 +14,8 @@ from multiprocessing import get_context
 
 import click
 
-from tests.benchmarks.harness import BUILD, Row, at_least, at_most, main, percentile
+from bentod.lateness.histogram import percentile
+from tests.benchmarks.harness import BUILD, Row, at_least, at_most, main
 from tests.benchmarks.rigs.stops import Condition, Seen, session
 from tests.benchmarks.rigs.svg import Panel, Points, figure
 

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.benchmarks.harness import Row, at_least, at_most, interleave, main, medians, percentile
+from tests.benchmarks.harness import Row, at_least, at_most, interleave, main, medians
 
 
 @pytest.mark.parametrize(("value", "holds"), [(1.9, True), (2.0, True), (2.1, False)])
@@ -31,11 +31,6 @@ def test_rounds_are_interleaved_and_none_is_always_first() -> None:
 def test_one_disturbed_round_does_not_move_the_median() -> None:
     seen = iter([5.0, 5.0, 900.0, 5.0, 5.0])
     assert medians({"a": lambda: next(seen)}, rounds=5) == {"a": 5.0}
-
-
-def test_a_percentile_is_a_value_that_was_seen() -> None:
-    values = [float(k) for k in range(100)]
-    assert [percentile(values, share) for share in (0, 0.5, 0.99, 1)] == [0, 50, 99, 99]
 
 
 def test_the_report_is_a_table_and_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

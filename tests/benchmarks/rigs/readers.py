@@ -13,9 +13,9 @@ import dynamixel_sdk as sdk
 from bentod.clock import SystemClock
 from bentod.contracts import ArmConfig
 from bentod.frames import Freshness, Stop, Value
+from bentod.lateness.histogram import percentile
 from drivers.dynamixel.joints import open_joints
 from sim.bento import bento_joints
-from tests.benchmarks.harness import percentile
 
 BESIDE_HZ = 200
 """Of the tick that runs in the same loop and shows what the reader does to it."""

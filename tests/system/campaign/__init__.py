@@ -1,0 +1,1 @@
+"""The fault campaign: everything that breaks around an arm in motion, and what the arm did then."""
