@@ -36,8 +36,8 @@ bench: $(VENV)/test.stamp ## measure: NAME=core prints a table and writes build/
 	  echo "make bench NAME=x, where x is one of: $(BENCHMARKS)"; exit 2; }
 	@$(BIN)/python -m tests.benchmarks.$(NAME)
 
-reference: $(VENV)/run.stamp ## renew the README's table of API methods
-	@$(BIN)/python -m bentod.serve.reference README.md
+reference: $(VENV)/run.stamp ## renew the table of API methods in docs/api.md
+	@$(BIN)/python -m bentod.serve.reference docs/api.md
 
 BENCHMARKS := $(filter-out __init__ harness test_%,$(notdir $(basename $(wildcard tests/benchmarks/*.py))))
 

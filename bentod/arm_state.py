@@ -14,6 +14,7 @@ from bentod.control.limiter import Limiter
 from bentod.control.modes import Modes
 from bentod.control.operators import Asked, Operators
 from bentod.control.recency import Recency
+from bentod.control.trials import Trials
 from bentod.frames import JointSpec, State, Value, Velocity, Wishes
 from bentod.mind import Mind
 from bentod.muscles import Muscles
@@ -53,6 +54,7 @@ class ArmState:
         self.meta: Value = None
         self.clients = Clients()
         self.journal = Journal(self.specs)
+        self.trials = Trials(self.journal)
         self.goals = Goals(modes, self.journal.goal)
         self.state: State | None = None
         self.to_clear: tuple[int, ...] = ()

@@ -86,8 +86,8 @@ class Client:
     async def listen(
         self, topic: str, rate_hz: float = 30.0
     ) -> AsyncIterator[AsyncIterator[dict[str, Value]]]:
-        """Subscribed to "state" or "events" while entered. Of one topic the last rate asked for holds."""
-        feed = _Feed("state" if topic == "state" else "event", most=1 if topic == "state" else BACKLOG)
+        """Subscribed to "state", "events" or "emg" while entered; the last rate asked for holds."""
+        feed = _Feed("event" if topic == "events" else topic, most=1 if topic == "state" else BACKLOG)
         self._wire.feeds.append(feed)
         try:
             await self.call("subscribe", topic=topic, rate_hz=rate_hz)

@@ -16,6 +16,7 @@ from bentod.config_tables import (
     Learn,
     Name,
     Realtime,
+    Record,
     Safety,
     Table,
     Tcp,
@@ -52,6 +53,7 @@ class Config(Table):
     realtime: Realtime = Realtime()
     access: Access = Access()
     tcp: Tcp | None = None
+    record: Record = Record()
     joints: Annotated[tuple[Joint, ...], Field(min_length=1, max_length=32)]
     groups: Annotated[tuple[Group, ...], Field(max_length=16)] = ()
     emg: Emg | None = None

@@ -32,6 +32,7 @@ class Overrides:
 
     emg_source: Chosen | None = None
     port: str = ""  # of the default driver
+    record: bool | None = None
 
 
 NONE = Overrides()
@@ -75,6 +76,9 @@ def _override(data: dict[str, object], overrides: Overrides) -> list[str]:
         return ["an EMG source can only be replaced in the table [emg], and there is none"]
     if overrides.emg_source and isinstance(emg, dict):
         emg["source"] = {"name": overrides.emg_source.name, **overrides.emg_source.options}
+    record = data.setdefault("record", {})
+    if overrides.record is not None and isinstance(record, dict):
+        record["enabled"] = overrides.record
     if overrides.port and isinstance(driver, dict):
         driver["port"] = overrides.port
     elif overrides.port and "drivers" in data:

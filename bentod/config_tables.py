@@ -241,3 +241,18 @@ class Tcp(Table):
         if problems:
             raise ValueError("\n".join(problems))
         return self
+
+
+class Record(Table):
+    """What is kept of a session, where, and how much of the disk it may take."""
+
+    enabled: bool = True
+    folder: Path | None = None
+    """Without: $STATE_DIRECTORY/recordings, else bentod/recordings in $XDG_STATE_HOME or ~/.local/state."""
+    urdf: Path | None = None
+    """The robot's description; a copy goes into every recording."""
+    max_file_mb: Annotated[float, Field(ge=1, le=100_000)] = 1000.0
+    max_file_min: Annotated[float, Field(ge=1, le=1440)] = 60.0
+    max_gb: Annotated[float, Field(gt=0, le=100_000)] = 50.0
+    """Of all recordings in the folder together. The recording ends before it is exceeded."""
+    min_free_gb: Annotated[float, Field(ge=0, le=100_000)] = 2.0

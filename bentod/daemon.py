@@ -11,24 +11,21 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from bentod import registry
-from bentod.arm_state import Rules
 from bentod.clock import suspended
 from bentod.config import Config
 from bentod.contracts import ArmConfig, Clock, EmgConfig, FaultInjector, Joints
-from bentod.control.groups import Groups
-from bentod.control.health import Ladder
-from bentod.control.modes import Modes
-from bentod.desk import Desk
 from bentod.emg.feed import Feed
 from bentod.endpoint import default_socket_path
 from bentod.ensemble import Member, gather
-from bentod.frames import Event, Frame
+from bentod.furnish import about, furnished
 from bentod.inbox import Inbox
-from bentod.mind import Mind
-from bentod.muscles import Muscles
+from bentod.publisher import Publisher
 from bentod.realtime import Upkeep
+from bentod.record.disk import Folder
+from bentod.record.provenance import as_toml, described, folder, limits, new_header
+from bentod.record.recorder import Recorder
 from bentod.serve.methods import arm_methods
-from bentod.serve.room import About, Room
+from bentod.serve.room import Room
 from bentod.serve.server import Server
 from bentod.serve.session import Bounds
 from bentod.serve.unix_door import UnixDoor
@@ -38,14 +35,6 @@ from bentod.tick import Controller
 
 _log = logging.getLogger(__name__)
 
-_LEVELS = {
-    "fault": logging.WARNING,
-    "servo": logging.WARNING,
-    "late": logging.WARNING,
-    "group": logging.DEBUG,
-    "goal": logging.DEBUG,
-}
-"""Of events; what happens every few seconds while the arm is used is for subscribers, not for the log."""
 
 _SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
@@ -62,6 +51,8 @@ class Daemon:
     """What a supervisor listens on at that path already."""
     upkeep: Upkeep = field(default_factory=Upkeep)
     """What goes on around the ticks."""
+    config_file: str = ""
+    """The config's name, for the recording."""
 
     async def run(self, ticks: int = 0) -> str:
         """Serve until a signal comes, or for a number of ticks; returns how the arm was left, in a sentence.
@@ -75,14 +66,19 @@ class Daemon:
         async with AsyncExitStack() as stack:
             # The socket comes first: a second daemon is refused before it touches the arm.
             inbox = Inbox()
-            room = Room(inbox, self._about())
+            room = Room(inbox, about(self.config))
             server = await stack.enter_async_context(self._server(room))
             room.sessions = lambda: server.sessions
             joints = await self._open_joints(stack)
             room.injector = joints if isinstance(joints, FaultInjector) else None
             feed = await self._open_feed(stack)
-            desk = self._desk(joints, feed)
-            publisher = _Publisher(room, server, self.supervisor, self.clock)
+            desk = furnished(self.config, joints.torque(), feed)
+            recorder = stack.enter_context(self._recorder()) if self.config.record.enabled else None
+            room.recording = (lambda: described(recorder.status)) if recorder else None
+            publisher = Publisher(room, server, self.supervisor, self.clock, recorder)
+            room.commanded = publisher.commanded
+            if feed:
+                feed.heard = publisher.heard
             rate, tell = self.config.rate_hz, publisher.publish
             controller = Controller(joints, desk, inbox, self.clock, rate, tell, self.upkeep, suspended)
             _log.info("serving %s on %s", self.config.arm, self.socket)
@@ -158,31 +154,10 @@ class Daemon:
         source = await stack.enter_async_context(registry.open_emg(emg.source.name)(config, self.clock))
         return Feed(source, emg.stall_s)
 
-    def _desk(self, joints: Joints, feed: Feed | None) -> Desk:
-        config = self.config
-        specs = [joint.spec() for joint in config.joints]
-        groups = Groups(specs, {group.name: group.joints for group in config.groups})
-        modes = Modes([spec.name for spec in specs], joints.torque())
-        safety = config.safety
-        ladder = Ladder(safety.hold_after_s, safety.fault_after_s)
-        rules = Rules(ladder, safety.fault == "limp", safety.home_speed_rad_s, safety.lease_max_s)
-        muscles = (
-            Muscles(feed, config.emg.sites, config.emg.pairs, config.emg.window) if config.emg else Muscles()
-        )
-        mind = Mind(specs, config.rate_hz, groups, config.learn, config.assist)
-        return Desk(specs, groups, modes, rules, muscles, mind)
-
-    def _about(self) -> About:
-        config = self.config
-        return About(
-            arm=config.arm,
-            driver=", ".join(dict.fromkeys(share.driver.name for share in config.shares())),
-            rate_hz=config.rate_hz,
-            joints=tuple(joint.spec() for joint in config.joints),
-            groups={group.name: group.joints for group in config.groups},
-            emg=config.emg.source.name if config.emg else "",
-            lease_max=config.safety.lease_max_s,
-        )
+    def _recorder(self) -> Recorder:
+        table = self.config.record
+        header = new_header(self.config, as_toml(self.config), self.config_file, self.clock)
+        return Recorder(header, Folder(folder(table)), limits(table))
 
 
 @contextmanager
@@ -196,31 +171,6 @@ def _signals_call(end: Callable[[], None]) -> Iterator[None]:
     finally:
         for number in _SIGNALS:
             loop.remove_signal_handler(number)
-
-
-class _Publisher:
-    """Takes each tick's frame and events to subscribers, the log and the supervisor."""
-
-    def __init__(self, room: Room, server: Server, supervisor: Supervisor, clock: Clock) -> None:
-        self._room = room
-        self._server = server
-        self._supervisor = supervisor
-        self._clock = clock
-        self._status = ""
-
-    def publish(self, frame: Frame, events: Sequence[Event], whole: bool) -> None:
-        """Called by the tick, and only by it; a tick that is `whole` feeds the watchdog."""
-        self._room.newest = frame
-        self._server.publish_state(frame)
-        for event in events:
-            self._server.publish_event(event)
-            _log.log(_LEVELS.get(event.kind, logging.INFO), "%s", event.text)
-        if whole:
-            self._supervisor.tick(self._clock.now())
-        status = f"fault: {frame.fault}" if frame.fault else frame.mode.value
-        if status != self._status:
-            self._supervisor.status(status)
-            self._status = status
 
 
 def socket_path(config: Config, chosen: Path | None = None) -> Path:

@@ -1,6 +1,6 @@
 """Where requests meet the arm: what clients and the daemon may ask between two ticks, without waiting."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from bentod.arm_state import ArmState
 from bentod.control.groups import Group
@@ -169,6 +169,11 @@ class Desk(ArmState):
                 self._operators.suspend_all()
         self.muscles.paused = on
         self.journal.note("emg", f"EMG {'paused' if on else 'released'}")
+
+    def change_assist(self, changes: Mapping[str, float | str]) -> None:
+        """Change the assist's parameters. Raises as `Mind.change` does."""
+        self.mind.change(changes)
+        self.journal.note("assist", "assist changed", self.mind.describe())
 
     def set_meta(self, meta: Value) -> None:
         """Put `meta` into every frame from now on."""

@@ -52,6 +52,15 @@ class InputFileError(BentodError):
     code = "input"
 
 
+class RecordingError(BentodError):
+    """A recording cannot be read or repaired.
+
+    Examples: the file is no recording, it is of a newer version, it is still being recorded.
+    """
+
+    code = "recording"
+
+
 class Refused(BentodError):
     """The request is well formed, but the arm may not do it now; the text says what to do first.
 

@@ -212,6 +212,17 @@ class AssistFrame:
     mode: str
     engaged: bool
     reason: str
+    attended: str = ""  # the joint of its group that the operator is moving, by name; empty when none is
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One trial of a session, from the moment an experimenter starts it."""
+
+    number: int  # from 1 since the daemon started
+    name: str  # e.g. the task's
+    condition: str  # e.g. "dpcc" or "toggling"
+    started: float  # monotonic s
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,6 +255,22 @@ class Frame:
     assist: AssistFrame
     goal: GoalFrame | None
     meta: Value
+    gap: bool = False  # whether ticks just before it were missed or broke, so that no learner may bridge them
+    read_at: float = 0.0  # monotonic s, end of the round on the bus
+    trial: Trial | None = None  # the one that is running
+    whole: bool = True  # False: the tick broke, and tells of its joints what was last known
+
+
+@dataclass(frozen=True, slots=True)
+class ClientCommand:
+    """What a client asked of the arm, and what came of it."""
+
+    time: float  # monotonic s, when it was carried out or refused
+    tick: int  # the tick in whose seam that was
+    client: str
+    method: str
+    params: Value  # as sent
+    error: str  # why it was refused; empty if it was not
 
 
 @dataclass(frozen=True, slots=True)

@@ -97,6 +97,7 @@ class Mind:
         assist: Assist | None = None,
     ) -> None:
         self._groups = groups
+        self._names = tuple(spec.name for spec in specs)
         self._predictor = _Predictor(specs, learn) if learn else None
         self._group = assist.group if assist else ""
         self._dpcc = Dpcc(specs, rate_hz, _settings(assist, len(specs))) if assist else None
@@ -128,15 +129,23 @@ class Mind:
         """What to ask of unattended joints while the operator moves the joints `moving`."""
         if self._dpcc is None:
             return Assistance({}, AssistFrame("off", False, "The config has no [assist] table."))
-        if self._broken:
-            return Assistance({}, AssistFrame("off", False, self._broken))
         group = self._groups.group(self._group)
         attended = [joint for joint in (group.active, *group.joints) if joint in moving]
+        return self.assist_beside(state, attended[0] if attended else None)
+
+    def assist_beside(self, state: State, attended: int | None) -> Assistance:
+        """What to ask of the other joints of the assist's group while the operator moves `attended`."""
+        if self._dpcc is None:
+            return Assistance({}, AssistFrame("off", False, "The config has no [assist] table."))
+        name = "" if attended is None else self._names[attended]
+        if self._broken:
+            return Assistance({}, AssistFrame("off", False, self._broken, name))
         usable = self._predictions.values() if self._usable else ()
         expected = at_timescale(usable, self._dpcc.settings.timescale)
         positions = [joint.position for joint in state.joints]
-        first = attended[0] if attended else None
-        return self._dpcc.wish(state.time, first, group.joints, positions, expected)
+        group = self._groups.group(self._group).joints
+        helped = self._dpcc.wish(state.time, attended, group, positions, expected)
+        return replace(helped, frame=replace(helped.frame, attended=name))
 
     def _have(self, predict: Callable[[_Predictor], tuple[Prediction, ...] | None]) -> bool:
         """Take in new predictions, if there are any. A learner that breaks is left alone from then on."""

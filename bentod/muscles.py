@@ -77,7 +77,7 @@ class Muscles:
         return Look(self._by_group(efforts) if obeyed else {}, toggles, self._frame(now, problem, efforts))
 
     def describe(self) -> dict[str, Value]:
-        """Sites with their parameters, pairs, and whether EMG is paused, as clients see them."""
+        """Rate, sites with their parameters, pairs, and whether EMG is paused, as clients see them."""
         sites: list[Value] = [
             {
                 "name": s.name,
@@ -88,7 +88,9 @@ class Muscles:
             }
             for s in self._proportional.sites
         ]
-        return {"paused": self.paused, "sites": sites, "pairs": [pair.model_dump() for pair in self._pairs]}
+        rate = self._feed.ring.rate_hz if self._feed else 0.0
+        pairs: list[Value] = [pair.model_dump() for pair in self._pairs]
+        return {"paused": self.paused, "rate_hz": rate, "sites": sites, "pairs": pairs}
 
     def change_site(
         self, name: str, gain: float | None, threshold: float | None, maximum: float | None

@@ -33,6 +33,7 @@ class Stamp:
     rate_hz: float
     costs: Costs
     shed: int
+    gap: bool  # ticks just before it were missed or broke
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +67,9 @@ def frame(stamp: Stamp, desk: Desk, deed: Deed) -> Frame:
         assist=deed.assist,
         goal=desk.goals.frame,
         meta=desk.meta,
+        gap=stamp.gap,
+        read_at=deed.state.time,
+        trial=desk.trials.running,
     )
 
 
@@ -88,7 +92,7 @@ def faulted(last: Frame, tick: int, due: float, fault: str) -> Frame:
         )
         for joint in last.joints
     )
-    return replace(last, tick=tick, time=due, mode=Mode.FAULT, fault=fault, joints=joints)
+    return replace(last, tick=tick, time=due, mode=Mode.FAULT, fault=fault, joints=joints, whole=False)
 
 
 def _joint(joint: int, desk: Desk, deed: Deed) -> JointFrame:

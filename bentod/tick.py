@@ -123,7 +123,7 @@ class Controller:
 
         pace.enter("publish")
         deed = Deed(state, look, wishes, assistance.frame, decided, sent)
-        self._newest = frame(self._stamp(due), desk, deed)
+        self._newest = frame(self._stamp(due, gap), desk, deed)
         self._publish(self._newest, desk.journal.take(), True)
         self._seam.answer(self._newest)
 
@@ -175,10 +175,12 @@ class Controller:
             self._desk.journal.note("late", late.text, late.data)
         self._collector.collect(self._due)
 
-    def _stamp(self, due: float) -> Stamp:
+    def _stamp(self, due: float, gap: bool) -> Stamp:
         pace, wall = self._pace, self._clock.wall()
         shed = self._desk.mind.shed
-        return Stamp(self._ticks, due, wall, pace.lateness, self._missed, self._rate_hz, pace.costs, shed)
+        return Stamp(
+            self._ticks, due, wall, pace.lateness, self._missed, self._rate_hz, pace.costs, shed, gap
+        )
 
     def _notice_sleep(self) -> None:
         """Whoever wakes from a suspend knows nothing of the arm: it is stopped, and requests may be old."""

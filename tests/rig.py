@@ -10,6 +10,7 @@ from bentod import registry
 from bentod.client import Client
 from bentod.config import Config
 from bentod.config_file import parse
+from bentod.config_tables import Record
 from bentod.daemon import Daemon
 from bentod.frames import Value
 from bentod.supervise import Supervisor
@@ -26,7 +27,7 @@ def sim_config(*changes: tuple[str, str]) -> Config:
     for old, new in changes:
         assert old in text, old
         text = text.replace(old, new)
-    return parse(text, "sim.toml", registry)
+    return parse(text, "sim.toml", registry).model_copy(update={"record": Record(enabled=False)})
 
 
 PLAIN = ('"sim-dynamixel"', '"sim"')

@@ -169,14 +169,15 @@ HELD = """
 import pathlib, tempfile, threading
 import bentod.pace
 from bentod.config_tables import Realtime
-from bentod.daemon import Daemon, _Publisher
+from bentod.daemon import Daemon
+from bentod.publisher import Publisher
 from bentod.realtime import upkeep
 from bentod.supervise import Supervisor
 from tests.rig import PLAIN, quiet_config
 
 bentod.pace.QUIET = 0.0  # a machine that stutters before must not silence what matters here
 late = []
-publish = _Publisher.publish
+publish = Publisher.publish
 
 def listen(self, frame, events, whole):
     late.extend(event.text for event in events if event.kind == "late")
@@ -184,7 +185,7 @@ def listen(self, frame, events, whole):
     if frame.tick == 5:
         asyncio.get_running_loop().call_soon(HOLD)
 
-_Publisher.publish = listen
+Publisher.publish = listen
 
 async def daemon(ticks=0, rate_hz=30):
     config = quiet_config(PLAIN, ("rate_hz = 30", f"rate_hz = {rate_hz}"))

@@ -14,15 +14,15 @@ DEFAULT = "sim.toml"
 """What runs when nobody says: the simulated arm."""
 
 
-def read(path: Path | None, emg: str = "", port: str = "") -> Config:
+def read(path: Path | None, emg: str = "", port: str = "", record: bool | None = None) -> Config:
     """The config at `path`, or the shipped one of that name.
 
-    `emg`, e.g. "replay:FILE", replaces its EMG source and `port` its driver's port.
+    `emg`, e.g. "replay:FILE", replaces its EMG source, `port` its driver's port, `record` whether it records.
 
     Raises:
         ConfigError: there is no such file, or it has mistakes; one line for each.
     """
-    overrides = Overrides(parse_source(emg) if emg else None, port)
+    overrides = Overrides(parse_source(emg) if emg else None, port, record)
     return load(find(path or Path(DEFAULT)), registry, overrides)
 
 

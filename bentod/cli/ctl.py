@@ -7,6 +7,7 @@ import click
 from bentod.cli import show
 from bentod.cli.ctl_arm import ARM
 from bentod.cli.ctl_muscles import MUSCLES
+from bentod.cli.ctl_session import SESSION
 from bentod.cli.link import ADDRESS, CA_FILE, TOKEN_FILE, Link, Way, assigned
 from bentod.endpoint import default_socket_path
 from bentod.errors import BentodError
@@ -108,5 +109,5 @@ def clients(link: Link) -> None:
     link.do("list_clients")
 
 
-for command in (*ARM, *MUSCLES):
+for command in (*ARM, *MUSCLES, *SESSION):
     ctl.add_command(command)

@@ -14,7 +14,7 @@ import click
 
 from bentod import logs
 from bentod.activation import passed_socket, path_of
-from bentod.cli.configs import read
+from bentod.cli.configs import DEFAULT, read
 from bentod.clock import SystemClock
 from bentod.config import Config
 from bentod.daemon import Daemon, environment_supervisor, socket_path
@@ -27,6 +27,7 @@ from bentod.realtime import upkeep
 @click.option("--emg", default="", help="Replace the EMG source, e.g. replay:FILE or replay:FILE#ARRAY.")
 @click.option("--port", default="", help="Replace the driver's port, e.g. by that of `bentod sim-bus`.")
 @click.option("--socket", type=click.Path(path_type=Path), help="Socket path; default: see the README.")
+@click.option("--record/--no-record", default=None, help="Record the session; default: as the config says.")
 @click.option("--ticks", type=click.IntRange(min=0), default=0, help="End by itself after so many ticks.")
 @click.option("--view/--no-view", default=None, help="Live view; default: on a terminal.")
 @click.option("--log-level", default="INFO", type=click.Choice(["DEBUG", "INFO", "WARNING", "ERROR"]))
@@ -35,6 +36,7 @@ def run(
     emg: str,
     port: str,
     socket: Path | None,
+    record: bool | None,
     ticks: int,
     view: bool | None,
     log_level: str,
@@ -42,7 +44,7 @@ def run(
     """Run the daemon until Ctrl-C or SIGTERM; the arm is then left as the config says."""
     shown = sys.stdout.isatty() if view is None else view
     try:
-        checked = read(config, emg, port)
+        checked = read(config, emg, port, record)
         passed = passed_socket(os.environ)  # and taken out of the view's environment
         where = path_of(passed) if passed else socket_path(checked, socket)
         with ExitStack() as stack:
@@ -51,7 +53,7 @@ def run(
             stack.enter_context(logs.setup(log_level, stream=stream, file=file))
             if shown:
                 stack.enter_context(_viewer(where))
-            left = asyncio.run(_serve(checked, where, ticks, passed))
+            left = asyncio.run(_serve(checked, str(config or DEFAULT), where, ticks, passed))
     except BentodError as error:
         for line in str(error).splitlines():
             click.echo(f"bentod: {line}", err=True)
@@ -60,10 +62,10 @@ def run(
         click.echo(f"{left} The log is in {file}")
 
 
-async def _serve(config: Config, socket: Path, ticks: int, passed: sockets.socket | None) -> str:
+async def _serve(config: Config, name: str, socket: Path, ticks: int, passed: sockets.socket | None) -> str:
     async with SystemClock() as clock:
         with environment_supervisor() as supervisor, upkeep(config.realtime, clock) as around:
-            return await Daemon(config, clock, supervisor, socket, passed, around).run(ticks)
+            return await Daemon(config, clock, supervisor, socket, passed, around, name).run(ticks)
 
 
 @contextmanager

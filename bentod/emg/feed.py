@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -41,6 +42,8 @@ class Feed:
         self.ring = Ring(source.rate_hz, source.channels, seconds)
         self.dropped = 0
         """Samples that never arrived, since the source was opened."""
+        self.heard: Callable[[EmgBlock], None] = lambda _: None
+        """Told of every block with samples, before anybody judges it."""
         self._source = source
         self._stall_s = stall_s
         self._drift = Drift()
@@ -66,6 +69,7 @@ class Feed:
     def _take(self, block: EmgBlock) -> None:
         if not len(block.samples):
             return
+        self.heard(block)
         self.dropped += self.ring.append(block)
         self._arrived = asyncio.get_running_loop().time()
         self._drift.take(self.ring.newest, self._arrived)

@@ -1,7 +1,8 @@
 """Methods that look at the arm and move it; each docstring is what clients read."""
 
+from collections.abc import Mapping
 from importlib.metadata import version
-from typing import Annotated, Literal
+from typing import Annotated
 
 from bentod.control.arbiter import OPERATORS
 from bentod.control.leases import Holder
@@ -10,7 +11,7 @@ from bentod.frames import Command, JointSpec, Mode, Position, Stop, Value, Veloc
 from bentod.messages import Packed, pack
 from bentod.serve.params import Flag, Number, Text
 from bentod.serve.room import Joint, Joints, Lease, Room
-from bentod.serve.session import Session
+from bentod.serve.session import Session, Topic
 
 Speed = Annotated[
     float | None, Number("rad/s", -10, 10, "signed velocity, or top speed towards the position")
@@ -27,6 +28,9 @@ _IN = "this connection has been let in already, as {}"
 
 _VERSION = version("bentod")
 """Looked up once: it takes longer than all the rest of an answer."""
+
+
+TOPICS: Mapping[str, Topic] = {"state": "state", "events": "events", "emg": "emg"}
 
 
 class ArmMethods:
@@ -106,21 +110,21 @@ class ArmMethods:
     async def subscribe(
         self,
         session: Session,
-        topic: Annotated[str, Text("what to send", choices=("state", "events"))],
+        topic: Annotated[str, Text("what to send", choices=tuple(TOPICS))],
         rate_hz: Annotated[float, Number("Hz", 0.1, 500, "at most this many frames a second")] = 30.0,
     ) -> Value:
-        """Send notifications: "state" with a frame at the chosen rate, or "event" with each event.
+        """Send notifications: "state" at the chosen rate, "event" with each event, "emg" with all samples.
 
         A client that reads too slowly misses frames; it never gets old ones and never delays the arm.
         """
-        session.subscribe(_topic(topic), rate_hz)
+        session.subscribe(TOPICS[topic], rate_hz)
         return None
 
     async def unsubscribe(
-        self, session: Session, topic: Annotated[str, Text("what to end", choices=("state", "events"))]
+        self, session: Session, topic: Annotated[str, Text("what to end", choices=tuple(TOPICS))]
     ) -> Value:
         """Send no more of a topic."""
-        session.unsubscribe(_topic(topic))
+        session.unsubscribe(TOPICS[topic])
         return None
 
     async def stop(self, session: Session) -> Value:
@@ -212,7 +216,3 @@ def _command(spec: JointSpec, velocity: float | None, position: float | None) ->
     if velocity == 0:
         return Stop()
     return Position(position, spec.max_velocity if velocity is None else abs(velocity))
-
-
-def _topic(name: str) -> Literal["state", "events"]:
-    return "state" if name == "state" else "events"

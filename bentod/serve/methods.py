@@ -1,54 +1,28 @@
 """The table of methods that the arm offers, by the role that each needs, in the order of the reference."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 
+from bentod.errors import BentodError
+from bentod.frames import Value
 from bentod.messages import Packed, pack
 from bentod.serve.arm_methods import ArmMethods
+from bentod.serve.peers import Role
 from bentod.serve.room import Room
 from bentod.serve.session import Session
+from bentod.serve.session_methods import SessionMethods
 from bentod.serve.spec import Handler, Method, table
 from bentod.serve.tuning_methods import TuningMethods
 
 
 def arm_methods(room: Room) -> dict[str, Method]:
     """Every method, by name. What an observer may call moves nothing; `stop` only ends motion."""
-    arm = ArmMethods(room)
-    tuning = TuningMethods(room)
+    arm, tuning, sitting = ArmMethods(room), TuningMethods(room), SessionMethods(room)
     methods: dict[str, Method] = {}
-    methods |= table(
-        observer=(
-            _lister(methods),
-            arm.challenge,
-            arm.authenticate,
-            arm.hello,
-            arm.list_clients,
-            arm.get_info,
-            arm.get_state,
-            arm.subscribe,
-            arm.unsubscribe,
-            arm.stop,
-            tuning.group_list,
-            tuning.emg_get,
-            tuning.assist_get,
-        ),
-        operator=(
-            arm.pause,
-            arm.torque,
-            arm.clear_fault,
-            arm.go_home,
-            arm.move,
-            tuning.group_command,
-            tuning.group_toggle,
-            tuning.group_activate,
-            tuning.emg_set,
-            tuning.emg_pause,
-            tuning.assist_set,
-            tuning.set_meta,
-            tuning.inject,
-        ),
-    )
-    return methods
+    looking = (_lister(methods), *_looking(arm, tuning, sitting))
+    methods |= table(observer=looking, operator=_moving(arm, tuning, sitting))
+    return {name: _told(entry, room) for name, entry in methods.items()}
 
 
 def _lister(methods: Mapping[str, Method]) -> Handler:
@@ -59,3 +33,61 @@ def _lister(methods: Mapping[str, Method]) -> Handler:
         return described()
 
     return list_methods
+
+
+def _looking(arm: ArmMethods, tuning: TuningMethods, sitting: SessionMethods) -> tuple[Handler, ...]:
+    return (
+        arm.challenge,
+        arm.authenticate,
+        arm.hello,
+        arm.list_clients,
+        arm.get_info,
+        arm.get_state,
+        arm.subscribe,
+        arm.unsubscribe,
+        arm.stop,
+        tuning.group_list,
+        tuning.emg_get,
+        tuning.assist_get,
+        sitting.get_recording,
+    )
+
+
+def _moving(arm: ArmMethods, tuning: TuningMethods, sitting: SessionMethods) -> tuple[Handler, ...]:
+    return (
+        arm.pause,
+        arm.torque,
+        arm.clear_fault,
+        arm.go_home,
+        arm.move,
+        tuning.group_command,
+        tuning.group_toggle,
+        tuning.group_activate,
+        tuning.emg_set,
+        tuning.emg_pause,
+        tuning.assist_set,
+        sitting.set_meta,
+        sitting.trial_start,
+        sitting.trial_mark,
+        sitting.trial_stop,
+        tuning.inject,
+    )
+
+
+def _told(method: Method, room: Room) -> Method:
+    """The method, with the room told of each call that may move or stop the arm."""
+    if method.role is Role.OBSERVER and method.name != "stop":
+        return method
+    handler = method.handler
+
+    async def handle(session: Session, *values: Value) -> object:
+        given: Value = dict(zip((param.name for param in method.params), values, strict=True))
+        try:
+            result = await handler(session, *values)
+        except BentodError as error:
+            room.commanded(session.client, method.name, given, str(error))
+            raise
+        room.commanded(session.client, method.name, given, "")
+        return result
+
+    return replace(method, handler=handle)

@@ -1,4 +1,4 @@
-"""The API reference as a Markdown table, made from the methods themselves; the README holds a copy of it."""
+"""The API reference as a Markdown table, made from the methods themselves; docs/api.md holds a copy of it."""
 
 import sys
 from collections.abc import Mapping

@@ -41,6 +41,10 @@ class Room:
         """The arm as something to break on purpose, if it is simulated."""
         self.newest: Frame | None = None
         """The frame of the last tick; the daemon keeps it up to date."""
+        self.recording: Callable[[], Value] | None = None
+        """How the recording goes, if there is one."""
+        self.commanded: Callable[[str, str, Value, str], None] = lambda *_: None
+        """Told of everything that a client asks of the arm: client, method, parameters, error."""
         self.sessions: Callable[[], Sequence[Session]] = tuple
         """Who is connected."""
         self._attached: set[int] = set()

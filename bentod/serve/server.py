@@ -6,6 +6,7 @@ import logging
 import socket
 from collections.abc import Mapping
 from contextlib import AsyncExitStack
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import TracebackType
@@ -13,7 +14,7 @@ from typing import Self
 
 from bentod.config_tables import Access, Tcp
 from bentod.errors import Refused
-from bentod.frames import Event, Frame
+from bentod.frames import EmgBlock, Event, Frame
 from bentod.framing import BadFraming, Limits
 from bentod.gate import Gate
 from bentod.messages import Decoder, encode_notification
@@ -122,7 +123,15 @@ class Server:
         if listeners:
             encoded = encode_notification("event", [event])
             for session in listeners:
-                session.offer_event(encoded)
+                session.offer(encoded)
+
+    def publish_emg(self, block: EmgBlock) -> None:
+        """Send `block` to all subscribers. Never waits."""
+        listening = [session for session in self._sessions.values() if session.wants_emg]
+        if listening:
+            encoded = encode_notification("emg", [replace(block, samples=block.samples.tolist())])
+            for session in listening:
+                session.offer(encoded)
 
     def _dismiss_all(self) -> None:
         for task in self._hosts:

@@ -19,7 +19,7 @@ log = logging.getLogger(__name__)
 OVERFULL = 4
 """Times the bytes that may wait for a client."""
 
-Topic: TypeAlias = Literal["state", "events"]
+Topic: TypeAlias = Literal["state", "events", "emg"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +59,7 @@ class Session:
         """Why there is no room for it, so that it may only stop the arm; empty: a client like any other."""
         self.closed = False
         self.wants_events = False
+        self.wants_emg = False
         self._bounds = bounds
         self._hush = hush or Hush(0.0, asyncio.get_running_loop().time)
         self._outbox = Outbox(bounds.notices)
@@ -85,18 +86,20 @@ class Session:
         self._outbox.put_notice(encode_notification(method, params))
 
     def subscribe(self, topic: Topic, rate_hz: float) -> None:
-        """Send "state" at most `rate_hz` times a second (above 0), or every "event"."""
+        """Send "state" at most `rate_hz` times a second (above 0), every event, or every block of EMG."""
         if topic == "state":
             self._outbox.state.start(rate_hz)
         else:
-            self.wants_events = True
+            self.wants_events |= topic == "events"
+            self.wants_emg |= topic == "emg"
 
     def unsubscribe(self, topic: Topic) -> None:
         """Send no more of `topic`."""
         if topic == "state":
             self._outbox.state.stop()
         else:
-            self.wants_events = False
+            self.wants_events &= topic != "events"
+            self.wants_emg &= topic != "emg"
 
     @property
     def dropped_events(self) -> int:
@@ -116,9 +119,9 @@ class Session:
         """Queue an encoded frame in the place of one that is still unsent."""
         self._outbox.put_state(frame)
 
-    def offer_event(self, event: bytes) -> None:
-        """Queue an encoded event."""
-        self._outbox.put_notice(event)
+    def offer(self, notice: bytes) -> None:
+        """Queue an encoded event or block of EMG."""
+        self._outbox.put_notice(notice)
 
     def send(self, response: bytes) -> None:
         """Hand an encoded response to the socket, past the queue."""

@@ -5,7 +5,7 @@ from typing import Annotated
 from bentod.control.leases import Holder
 from bentod.errors import Refused
 from bentod.frames import Value
-from bentod.serve.params import Flag, Free, Number, Text
+from bentod.serve.params import Flag, Number, Text
 from bentod.serve.room import GroupName, Joint, Lease, Room
 from bentod.serve.session import Session
 
@@ -96,14 +96,7 @@ class TuningMethods:
             "manual_after_toggle_s": manual_after_toggle_s,
         }
         changes = {name: value for name, value in given.items() if value is not None}
-        await self._room.inbox.ask(lambda desk: desk.mind.change(changes))
-        return None
-
-    async def set_meta(
-        self, session: Session, meta: Annotated[Value, Free("anything, e.g. participant and trial")]
-    ) -> Value:
-        """Put a note into every frame from now on."""
-        await self._room.inbox.ask(lambda desk: desk.set_meta(meta))
+        await self._room.inbox.ask(lambda desk: desk.change_assist(changes))
         return None
 
     async def inject(

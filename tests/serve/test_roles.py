@@ -52,6 +52,7 @@ def test_an_observer_can_look_and_ask_to_stop_and_nothing_else() -> None:
         "group_list",
         "emg_get",
         "assist_get",
+        "get_recording",
     }
 
 

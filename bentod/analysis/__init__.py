@@ -1,0 +1,1 @@
+"""What is made of a recording: tables, task metrics, figures and a report."""

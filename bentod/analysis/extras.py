@@ -1,0 +1,31 @@
+"""What only the optional extra `analysis` brings is loaded when it is asked for, or its name is told."""
+
+from bentod.errors import BentodError, ConfigError
+from bentod.registry import resolve
+
+
+class MissingExtra(BentodError):
+    """Something must be installed.
+
+    Examples: an export to Parquet without pyarrow, a figure without matplotlib.
+    """
+
+    code = "extra"
+
+
+def load_extra(target: str) -> object:
+    """The object that "module:attribute" names.
+
+    Raises:
+        MissingExtra: it needs a package that is not installed.
+    """
+    try:
+        return resolve(target)
+    except ConfigError as error:
+        missing = error.__cause__
+        if not isinstance(missing, ModuleNotFoundError) or (missing.name or "").startswith("bentod"):
+            raise
+        raise MissingExtra(
+            f"this needs the package '{missing.name}', which is not installed; "
+            "the extra 'analysis' brings it: pip install 'bentod[analysis]'"
+        ) from error

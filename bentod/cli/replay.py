@@ -1,0 +1,160 @@
+"""`bentod replay`: a recording played to clients as if it were live, or learned from again."""
+
+import asyncio
+import math
+import signal
+import time
+import tomllib
+from pathlib import Path
+
+import click
+import tomlkit
+
+from bentod import registry
+from bentod.cli.link import parsed
+from bentod.clock import SystemClock
+from bentod.config import Config
+from bentod.config_file import parse
+from bentod.endpoint import default_socket_path
+from bentod.errors import BentodError, ConfigError
+from bentod.record.reader import Recording
+from bentod.record.session import Header
+from bentod.replay.comparison import Comparison, compared
+from bentod.replay.player import Source, Span
+from bentod.replay.relearn import Relearner, Thought, ticks
+from bentod.replay.stage import Stage, explained
+
+
+class _Speed(click.ParamType[float]):
+    name = "speed"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        if value == "max":
+            return math.inf
+        try:
+            speed = float(str(value))
+        except ValueError:
+            speed = math.nan
+        return speed if speed > 0 else self.fail(f"{value} is neither above 0 nor max", param, ctx)
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--speed", type=_Speed(), default="1", show_default=True, help="Times real time, or max.")
+@click.option("--from", "start", type=click.FloatRange(min=0), default=0.0, help="s to begin at.")
+@click.option("--loop", is_flag=True, help="Begin again at the end.")
+@click.option("--stay", is_flag=True, help="Stay at the end until Ctrl-C.")
+@click.option("--paused", is_flag=True, help="Wait for `replay_pause` off.")
+@click.option("--socket", type=click.Path(path_type=Path), help="Socket path; default: the daemon's.")
+@click.option("--learn", is_flag=True, help="Learn again, as fast as possible, and compare.")
+@click.option("--serve", is_flag=True, help="With --learn: play what is learned this time.")
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="For --learn: learn.step_size=0.1")
+def replay(
+    file: Path,
+    speed: float,
+    start: float,
+    loop: bool,
+    stay: bool,
+    paused: bool,
+    socket: Path | None,
+    learn: bool,
+    serve: bool,
+    changes: tuple[str, ...],
+) -> None:
+    """Play the recording FILE: `bentod ctl`, `watch` and any client see what they would have seen live."""
+    if (changes or serve) and not learn:
+        raise click.UsageError("--set and --serve belong to --learn")
+    try:
+        with Recording(file) as recording:
+            config = _config(recording.header, changes)
+            kept = [key.partition(".")[2] for key in _keys(changes) if key.startswith("assist.")]
+            if learn and not serve:
+                _compare(recording, Relearner(config, kept))
+                return
+            relearner = Relearner(config, kept) if learn else None
+            asyncio.run(_play(recording, config, socket, relearner, (speed, start, loop, stay, paused)))
+    except BentodError as error:
+        raise click.ClickException(str(error)) from error
+
+
+def _keys(changes: tuple[str, ...]) -> list[str]:
+    return [change.partition("=")[0] for change in changes]
+
+
+def _config(header: Header, changes: tuple[str, ...]) -> Config:
+    """The recording's own config, with what is to be tried in its place.
+
+    Raises:
+        ConfigError: this version cannot use it, or a change is wrong.
+    """
+    tables = tomllib.loads(header.config)
+    for change in changes:
+        key, sign, value = change.partition("=")
+        *path, last = key.split(".")
+        place = tables
+        for name in path:
+            place = place.setdefault(name, {})
+        if not sign or not path:
+            raise ConfigError(f"--set {change}: write TABLE.KEY=VALUE")
+        place[last] = parsed(value)
+    try:
+        return parse(tomlkit.dumps(tables), "the recording's config", registry)
+    except ConfigError as error:
+        raise ConfigError(explained(error, header.config_name)) from error
+
+
+def _compare(recording: Recording, relearner: Relearner) -> None:
+    began = time.perf_counter()
+    found = compared(ticks(recording.entries()), relearner)
+    took = time.perf_counter() - began
+    for line in lines(found):
+        click.echo(line)
+    if found.ticks:
+        span = found.ticks / recording.header.rate_hz
+        click.echo(f"{span:.1f} s of recording in {took:.1f} s: {span / took:.0f} times real time.")
+
+
+def lines(found: Comparison) -> list[str]:
+    """A comparison in words, and a table of errors."""
+    told = [f"{found.equal} of {found.ticks} ticks were thought bit for bit as they were live."]
+    if found.first_other >= 0:
+        told.append(f"The first that was not is tick {found.first_other}.")
+    if found.broken:
+        told.append(f"{found.broken} ticks broke live; what they read is not recorded.")
+    told.append(f"The assist was engaged in {found.engaged[0]} ticks live and in {found.engaged[1]} now.")
+    if found.errors:
+        told += ["", f"{'root mean square error, rad':32} {'steps':>6} {'live':>10} {'now':>10}"]
+    return told + [f"{e.joint:32} {e.timescale:>6} {e.live:10.4f} {e.again:10.4f}" for e in found.errors]
+
+
+async def _play(
+    recording: Recording,
+    config: Config,
+    socket: Path | None,
+    relearner: Relearner | None,
+    manner: tuple[float, float, bool, bool, bool],
+) -> None:
+    speed, start, loop, stay, paused = manner
+    where = socket or default_socket_path()
+    async with SystemClock() as clock:
+        tape: Source = Thought(recording, relearner) if relearner else recording
+        info = recording.info
+        stage = Stage(tape, Span(info.start, info.end), config, clock, where)
+        player = stage.player
+        player.set_speed(speed)
+        player.loop, player.stay = loop, stay
+        player.pause(paused)
+        if start:
+            player.seek(start)
+        async with stage.server:
+            click.echo(f"Playing {recording.header.arm}, {player.duration:.1f} s, at {where}. Ctrl-C ends.")
+            await _until_interrupted(asyncio.ensure_future(player.run()))
+
+
+async def _until_interrupted(task: "asyncio.Future[None]") -> None:
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, task.cancel)
+    await asyncio.wait([task])
+    if not task.cancelled():
+        task.result()
