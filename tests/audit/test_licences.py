@@ -12,7 +12,12 @@ PERMISSIVE = {
     "0bsd", "apache-2.0", "bsd", "bsd-2-clause", "bsd-3-clause", "cc0-1.0", "isc", "mit", "psf-2.0", "zlib",
 }  # fmt: skip
 
-WORDS = {"apache 2.0": "apache-2.0", "mit license": "mit", "bsd license": "bsd"}
+WORDS = {
+    "apache 2.0": "apache-2.0",
+    "mit license": "mit",
+    "bsd license": "bsd",
+    "3-clause bsd license": "bsd-3-clause",
+}
 """How older packages call them."""
 
 EXCUSED = {

@@ -54,9 +54,10 @@ async def by_cyclictest(stretch: Stretch) -> Ticks:
     """The usual measure of a kernel's latency: a thread that does nothing but wake, man cyclictest."""
     with TemporaryDirectory() as folder:
         file = Path(folder, "histogram")
-        policy = "fifo" if REALTIME.priority else "other"
-        words = ["-q", "-t1", f"--policy={policy}", f"-p{REALTIME.priority}", f"-l{stretch.ticks}"]
-        words += [f"-i{round(stretch.period * 1e6)}", f"-h{GREATEST}", f"--histfile={file}"]
+        # Any priority, even 0, makes it SCHED_FIFO.
+        policy = ["--policy=fifo", f"-p{REALTIME.priority}"] if REALTIME.priority else ["--policy=other"]
+        words = ["-q", "-t1", *policy, f"-l{stretch.ticks}", f"-i{round(stretch.period * 1e6)}"]
+        words += [f"-h{GREATEST}", f"--histfile={file}"]
         process = await asyncio.create_subprocess_exec(
             "cyclictest", *words, stdout=asyncio.subprocess.DEVNULL
         )
