@@ -6,6 +6,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
+from bentod.config_learn import Learn
 from bentod.config_tables import (
     Access,
     Assist,
@@ -13,7 +14,6 @@ from bentod.config_tables import (
     Emg,
     Group,
     Joint,
-    Learn,
     Name,
     Realtime,
     Record,

@@ -152,21 +152,6 @@ class Emg(Table):
     pairs: Annotated[tuple[Pair, ...], Field(max_length=16)] = ()
 
 
-class Learn(Table):
-    """What is predicted and how it is learned (thesis 5.3)."""
-
-    joints: Annotated[tuple[Name, ...], Field(min_length=1, max_length=8)]
-    predict: tuple[Name, ...] = ()
-    timescales: Annotated[tuple[Annotated[float, Field(gt=1, le=10_000)], ...], Field(min_length=1)] = (20.0,)
-    tilings: Annotated[int, Field(ge=1, le=1024)] = 100
-    memory: Annotated[int, Field(ge=16, le=1 << 20)] = 2048
-    trace_decay: Annotated[float, Field(ge=0, lt=1)] = 0.99
-    trace_lambda: Annotated[float, Field(ge=0, le=1)] = 0.95
-    step_size: Annotated[float, Field(gt=0, le=1)] = 0.3
-    budget: Annotated[float, Field(gt=0, le=1)] = 0.6
-    """Share of a tick's period after which no learner is updated any more in that tick."""
-
-
 class Assist(Table):
     """Direct Predictive Collaborative Control (thesis 5.3)."""
 

@@ -137,16 +137,60 @@ Features: TypeAlias = NDArray[np.intp]
 """Indices of the active binary features, unique and ascending, shape (k,)."""
 
 
+Vector: TypeAlias = NDArray[np.float64]
+"""A dense vector, shape (n,)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """What arriving in a state brings to one question about it."""
+
+    cumulant: float  # R_{t+1}; NaN: not observed, and nothing is to be learned from this step
+    gamma: float  # γ_{t+1}, 0..1: the chance to continue past this state; its n-th power after n ticks
+    lam: float  # λ_{t+1}, 0..1; its n-th power after n ticks
+    rho: float = 1.0  # ρ_t, 0 or more: how much likelier the question's policy was to do what was done
+
+
+@dataclass(frozen=True, slots=True)
+class LearnerSettings:
+    """What a learner of one general value function is built from."""
+
+    size: int  # n, number of features
+    active: float  # the greatest |φ|² that is expected: of binary features, how many are active
+    step_size: float  # α · active, above 0 and up to 1: the share of an error that one step may take away
+    initial: float  # of every weight
+    options: Mapping[str, float]  # the algorithm's own parameters, by the names its file gives them
+
+
 class Learner(Protocol):
-    """Many predictions learned on line over shared binary features. No clock, no input or output."""
+    """Learns one general value function on line, with weights of its own. No clock, no input or output.
 
-    def step(self, features: Features, cumulants: Sequence[float]) -> NDArray[np.float64]:
-        """Learn from the transition into `features`, then predict from there.
+    `bentod.learners` is the group of entry points for learners from outside: a factory that takes
+    `LearnerSettings` and raises ValueError for an option that it does not know or that is out of bounds.
+    """
 
-        `cumulants`: one a prediction, observed on arrival. Returns the predictions, shape (gvfs,).
+    delta: float
+    """δ_t of the last step; NaN where nothing was learned."""
+
+    def step(self, phi: Vector, arrival: Arrival) -> float:
+        """Learn from the transition into `phi` (φ_{t+1}), then predict from there: w_{t+1}ᵀφ_{t+1}.
+
+        The first call, and the first after `cut`, only predicts. `phi` is not changed and may be kept.
         """
         ...
 
     def cut(self) -> None:
-        """Forget the previous step (not the weights): the next `step` only predicts."""
+        """Forget the previous step and the traces (not the weights): the next `step` only predicts."""
         ...
+
+    def memory(self) -> dict[str, Vector]:
+        """Copies of all that the learner has learned and remembers, by name; "weights" among them."""
+        ...
+
+    def recall(self, memory: Mapping[str, Vector]) -> None:
+        """Become what `memory` told. Raises ValueError: it is not that of such a learner of this size."""
+        ...
+
+
+OpenLearner: TypeAlias = Callable[[LearnerSettings], Learner]
+"""How a learner is made."""

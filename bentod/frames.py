@@ -1,7 +1,7 @@
 """The values that flow through a tick: SI units and radians, frozen, one time base (monotonic seconds)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Literal, TypeAlias
 
@@ -216,6 +216,17 @@ class AssistFrame:
 
 
 @dataclass(frozen=True, slots=True)
+class LearnFrame:
+    """What the general value functions say in one tick, by their names."""
+
+    made_at: int = 0  # tick of the newest predictions: older than the frame's if it was blind
+    predictions: Mapping[str, float] = field(default_factory=dict)  # in the unit of the cumulant
+    confidence: Mapping[str, float] = field(default_factory=dict)  # C, thesis 6.1.1: none at 0, all at 1
+    surprise: Mapping[str, float] = field(default_factory=dict)  # Z, (6.1)
+    error: Mapping[str, float] = field(default_factory=dict)  # RMSE against the return, cumulant's unit
+
+
+@dataclass(frozen=True, slots=True)
 class Trial:
     """One trial of a session, from the moment an experimenter starts it."""
 
@@ -259,6 +270,7 @@ class Frame:
     read_at: float = 0.0  # monotonic s, end of the round on the bus
     trial: Trial | None = None  # the one that is running
     whole: bool = True  # False: the tick broke, and tells of its joints what was last known
+    learn: LearnFrame = LearnFrame()
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
 from bentod.assist.dpcc import Assistance, Dpcc, DpccSettings, at_timescale
-from bentod.config_tables import Assist, Learn
+from bentod.config_learn import Learn
+from bentod.config_tables import Assist
 from bentod.contracts import Features
 from bentod.control.groups import Groups
 from bentod.errors import BadRequest, Refused

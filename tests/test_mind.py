@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from bentod.config_tables import Assist, Learn
+from bentod.config_learn import Learn
+from bentod.config_tables import Assist
 from bentod.control.groups import Groups
 from bentod.errors import BadRequest, Refused
 from bentod.frames import Velocity

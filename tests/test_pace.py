@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 
 from bentod.collector import Collector
-from bentod.config_tables import Learn
+from bentod.config_learn import Learn
 from bentod.control.groups import Groups
 from bentod.culprit import GARBAGE, IDLE, Lookout
 from bentod.frames import Command, Event, Frame, State, Stop, Velocity

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from bentod.client import Client
 from bentod.config import Config
-from bentod.config_tables import Learn
+from bentod.config_learn import Learn
 from bentod.control.groups import Groups
 from bentod.daemon import Daemon
 from bentod.desk import Desk
