@@ -58,7 +58,7 @@ $(VENV)/pip.stamp: constraints.txt | $(BIN)/python
 	@$(PIP) install --constraint constraints.txt --upgrade pip
 	@touch $@
 
-$(VENV)/run.stamp: pyproject.toml constraints.txt $(VENV)/pip.stamp
+$(VENV)/run.stamp: pyproject.toml constraints.txt hatch_build.py bentod/learn/kernel.c $(VENV)/pip.stamp
 	@echo "Installing bentod and what it needs (once; a minute or so)"
 	@$(INSTALL)
 	@touch $@

@@ -15,7 +15,9 @@ from bentod.control.modes import Modes
 from bentod.control.operators import Asked, Operators
 from bentod.control.recency import Recency
 from bentod.control.trials import Trials
-from bentod.frames import JointSpec, State, Value, Velocity, Wishes
+from bentod.frames import EmgFrame, GroupFrame, JointSpec, State, Value, Velocity, Wishes
+from bentod.learn.horde import HasTime
+from bentod.learn.signals import Percept
 from bentod.mind import Mind
 from bentod.muscles import Muscles
 
@@ -32,6 +34,11 @@ class Rules:
 
 _TORQUE = "torque"
 """The matter of torque that is asked for in every tick until it is confirmed."""
+
+
+def shortened(names: Sequence[str], most: int = 8) -> str:
+    """A list of names for a sentence."""
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 class ArmState:
@@ -146,6 +153,19 @@ class ArmState:
                 self.goals.disturb("the wearer moved")
         return wishes
 
+    def percept(self, tick: int, due: float, gap: bool, state: State, emg: EmgFrame) -> Percept:
+        """What learners are told of the tick under way, once operators have asked."""
+        return Percept(tick, due, gap, state, emg, tuple(map(self._group_frame, self.groups)))
+
+    def learn(self, has_time: HasTime) -> None:
+        """Let the learners take in the rest of what the tick under way shows."""
+        self.mind.learn(has_time)
+        if anew := self.mind.begun_anew():
+            data: dict[str, Value] = {"began_anew": list[Value](anew)}
+            self.journal.note_seldom(
+                "learn", "began_anew", f"diverged, and began anew: {shortened(anew)}", data
+            )
+
     def driver(self, group: Group) -> tuple[str, float]:
         """Who drives a group, and what they ask of its active joint (-1..1)."""
         client = self.clients.holder(group.active)
@@ -154,6 +174,11 @@ class ArmState:
         wish = self.clients.wishes()[group.active]
         top = self.specs[group.active].max_velocity
         return f"client:{client.client}", wish.velocity / top if isinstance(wish, Velocity) else 0.0
+
+    def _group_frame(self, group: Group) -> GroupFrame:
+        operator, effort = self.driver(group)
+        names = tuple(self.specs[joint].name for joint in group.joints)
+        return GroupFrame(group.name, names, self.specs[group.active].name, effort, operator)
 
     def _suspend_operators(self, joints: Sequence[int]) -> None:
         """Whoever contracts while `joints` are released must rest once before they move any of them."""

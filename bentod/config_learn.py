@@ -9,9 +9,9 @@ from pydantic import Field, model_validator
 from bentod.config_tables import Name, Table
 
 Expression: TypeAlias = Annotated[str, Field(min_length=1, max_length=500)]
-"""A number of the state, e.g. "elbow_flexion.position" or "above(gripper.load, 0.2)": see docs/learning.md."""
+"""A number of the state, e.g. "elbow.position" or "above(gripper.load, 0.2)": see docs/learning.md."""
 
-GvfName: TypeAlias = Annotated[str, Field(pattern=r"^[a-zA-Z][a-zA-Z0-9_.@{}-]{0,63}$")]
+GvfName: TypeAlias = Annotated[str, Field(pattern=r"^[a-zA-Z{][a-zA-Z0-9_.@{}-]{0,63}$")]
 Timescale: TypeAlias = Annotated[float, Field(gt=1, le=10_000)]
 Seconds: TypeAlias = Annotated[float, Field(gt=0, le=1000)]
 Share: TypeAlias = Annotated[float, Field(ge=0, le=1)]

@@ -171,6 +171,8 @@ class Learner(Protocol):
 
     delta: float
     """δ_t of the last step; NaN where nothing was learned."""
+    resets: int
+    """How often it had to begin anew, because it was not finite or beyond all reason."""
 
     def step(self, phi: Vector, arrival: Arrival) -> float:
         """Learn from the transition into `phi` (φ_{t+1}), then predict from there: w_{t+1}ᵀφ_{t+1}.

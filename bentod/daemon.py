@@ -17,8 +17,9 @@ from bentod.contracts import ArmConfig, Clock, EmgConfig, FaultInjector, Joints
 from bentod.emg.feed import Feed
 from bentod.endpoint import default_socket_path
 from bentod.ensemble import Member, gather
-from bentod.furnish import about, furnished
+from bentod.furnish import about, furnished, mind_of
 from bentod.inbox import Inbox
+from bentod.learned import learned
 from bentod.publisher import Publisher
 from bentod.realtime import Upkeep
 from bentod.record.disk import Folder
@@ -69,11 +70,13 @@ class Daemon:
             room = Room(inbox, about(self.config))
             server = await stack.enter_async_context(self._server(room))
             room.sessions = lambda: server.sessions
+            mind = mind_of(self.config)
+            carried, chore = stack.enter_context(learned(self.config, mind, self.config_file, self.clock))
             joints = await self._open_joints(stack)
             room.injector = joints if isinstance(joints, FaultInjector) else None
             feed = await self._open_feed(stack)
-            desk = furnished(self.config, joints.torque(), feed)
-            recorder = stack.enter_context(self._recorder()) if self.config.record.enabled else None
+            desk = furnished(self.config, joints.torque(), feed, mind)
+            recorder = stack.enter_context(self._recorder(carried)) if self.config.record.enabled else None
             room.recording = (lambda: described(recorder.status)) if recorder else None
             publisher = Publisher(room, server, self.supervisor, self.clock, recorder)
             room.commanded = publisher.commanded
@@ -81,6 +84,7 @@ class Daemon:
                 feed.heard = publisher.heard
             rate, tell = self.config.rate_hz, publisher.publish
             controller = Controller(joints, desk, inbox, self.clock, rate, tell, self.upkeep, suspended)
+            controller.chores.append(chore)
             _log.info("serving %s on %s", self.config.arm, self.socket)
             stack.enter_context(_signals_call(controller.end))
             stack.enter_context(self.upkeep.collector)
@@ -154,9 +158,10 @@ class Daemon:
         source = await stack.enter_async_context(registry.open_emg(emg.source.name)(config, self.clock))
         return Feed(source, emg.stall_s)
 
-    def _recorder(self) -> Recorder:
+    def _recorder(self, carried: bytes) -> Recorder:
+        """`carried`: the snapshot that the learners go on with."""
         table = self.config.record
-        header = new_header(self.config, as_toml(self.config), self.config_file, self.clock)
+        header = new_header(self.config, as_toml(self.config), self.config_file, self.clock, carried)
         return Recorder(header, Folder(folder(table)), limits(table))
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from bentod.arm_state import ArmState
+from bentod.arm_state import ArmState, shortened
 from bentod.control.groups import Group
 from bentod.control.leases import Holder, Lease
 from bentod.errors import BadRequest, Refused, nearest
@@ -174,6 +174,31 @@ class Desk(ArmState):
         """Change the assist's parameters. Raises as `Mind.change` does."""
         self.mind.change(changes)
         self.journal.note("assist", "assist changed", self.mind.describe())
+
+    def describe_gvfs(self) -> Value:
+        """Every general value function as clients see it. Raises Refused: nothing learns."""
+        return self.mind.describe_gvfs()
+
+    def add_gvf(self, table: Value) -> tuple[str, ...]:
+        """Ask one more question about the future, or a family of them; returns their names.
+
+        Raises:
+            Refused: nothing learns.
+            BadRequest: that cannot be asked.
+        """
+        names = self.mind.add_gvf(table)
+        self.journal.note("learn", f"GVF added: {shortened(names)}", {"added": table})
+        return names
+
+    def remove_gvfs(self, names: Sequence[str]) -> None:
+        """Ask no more. Raises Refused, or BadRequest: there is no such question, or it is needed."""
+        self.mind.learners.remove(names)
+        self.journal.note("learn", f"GVF removed: {shortened(names)}", {"removed": list[Value](names)})
+
+    def reset_gvfs(self, names: Sequence[str]) -> None:
+        """Let what was learned about some questions be forgotten. Raises Refused, BadRequest: none such."""
+        self.mind.learners.reset(names)
+        self.journal.note("learn", f"GVF reset: {shortened(names)}", {"reset": list[Value](names)})
 
     def set_meta(self, meta: Value) -> None:
         """Put `meta` into every frame from now on."""

@@ -61,6 +61,15 @@ class RecordingError(BentodError):
     code = "recording"
 
 
+class SnapshotError(BentodError):
+    """What was learned in an earlier session cannot be used.
+
+    Examples: the file is cut off, a byte in it has changed, it is of a newer version.
+    """
+
+    code = "snapshot"
+
+
 class Refused(BentodError):
     """The request is well formed, but the arm may not do it now; the text says what to do first.
 

@@ -138,15 +138,6 @@ class EmgBlock:
 
 
 @dataclass(frozen=True, slots=True)
-class Prediction:
-    """What one general value function expects of one joint."""
-
-    joint: int
-    timescale: float  # steps, 1 / (1 - γ)
-    position: float  # rad
-
-
-@dataclass(frozen=True, slots=True)
 class JointFrame:
     """One joint in one tick: what it did, what was asked, what was sent, and what is expected of it."""
 
@@ -219,11 +210,12 @@ class AssistFrame:
 class LearnFrame:
     """What the general value functions say in one tick, by their names."""
 
-    made_at: int = 0  # tick of the newest predictions: older than the frame's if it was blind
     predictions: Mapping[str, float] = field(default_factory=dict)  # in the unit of the cumulant
+    older: Mapping[str, float] = field(default_factory=dict)  # age in ticks of those not made in this one
     confidence: Mapping[str, float] = field(default_factory=dict)  # C, thesis 6.1.1: none at 0, all at 1
     surprise: Mapping[str, float] = field(default_factory=dict)  # Z, (6.1)
     error: Mapping[str, float] = field(default_factory=dict)  # RMSE against the return, cumulant's unit
+    familiarity: Mapping[str, float] = field(default_factory=dict)  # 0..1, by representation
 
 
 @dataclass(frozen=True, slots=True)

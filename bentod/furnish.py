@@ -14,18 +14,29 @@ from bentod.muscles import Muscles
 from bentod.serve.room import About
 
 
-def furnished(config: Config, torque: Sequence[bool], feed: Feed | None) -> Desk:
-    """A desk for joints that were found with this torque; `feed`: None without muscle signals."""
+def furnished(config: Config, torque: Sequence[bool], feed: Feed | None, mind: Mind | None = None) -> Desk:
+    """A desk for joints that were found with this torque; `feed`: None without muscle signals.
+
+    `mind`: of the same config; left out, one that knows nothing. Raises ConfigError: as `mind_of` does.
+    """
     specs = [joint.spec() for joint in config.joints]
-    groups = Groups(specs, {group.name: group.joints for group in config.groups})
+    mind = mind or mind_of(config)
+    groups = mind.groups
     modes = Modes([spec.name for spec in specs], torque)
     safety = config.safety
     ladder = Ladder(safety.hold_after_s, safety.fault_after_s)
     rules = Rules(ladder, safety.fault == "limp", safety.home_speed_rad_s, safety.lease_max_s)
     emg = config.emg
     muscles = Muscles(feed, emg.sites, emg.pairs, emg.window) if emg else Muscles()
-    mind = Mind(specs, config.rate_hz, groups, config.learn, config.assist)
     return Desk(specs, groups, modes, rules, muscles, mind)
+
+
+def mind_of(config: Config) -> Mind:
+    """Learners and assist as the config wants them. Raises ConfigError: a question is not one."""
+    specs = [joint.spec() for joint in config.joints]
+    sites = [site.name for site in config.emg.sites] if config.emg else []
+    groups = Groups(specs, {group.name: group.joints for group in config.groups})
+    return Mind(specs, config.rate_hz, groups, config.learn, config.assist, sites)
 
 
 def about(config: Config) -> About:

@@ -3,13 +3,14 @@
 import importlib
 import importlib.metadata
 import importlib.util
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
 from pydantic import BaseModel
 
-from bentod.contracts import OpenEmg, OpenJoints
+from bentod.contracts import OpenEmg, OpenJoints, OpenLearner
 from bentod.errors import ConfigError, nearest
 
 
@@ -55,6 +56,21 @@ EMG = {
     "replay": Source("drivers.emg.replay:open_emg", "drivers.emg.replay:Options"),
 }
 
+LEARNERS = {
+    "td": "bentod.learn.algorithms.td:TD",
+    "td_replacing": "bentod.learn.algorithms.td:ReplacingTD",
+    "td_normalised": "bentod.learn.algorithms.td:NormalisedTD",
+    "true_online": "bentod.learn.algorithms.true_online:TrueOnlineTD",
+    "true_online_5": "bentod.learn.algorithms.true_online:TrueOnlineTD5",
+    "gtd": "bentod.learn.algorithms.gtd:GTD",
+    "tidbd": "bentod.learn.algorithms.tidbd:TIDBD",
+    "autostep": "bentod.learn.algorithms.autostep:Autostep",
+    "swifttd": "bentod.learn.algorithms.swifttd:SwiftTD",
+}
+
+ON_POLICY = frozenset({"true_online", "true_online_5", "tidbd", "autostep", "swifttd"})
+"""Learners that do not heed ρ, so that a policy of one's own would mean nothing to them."""
+
 COMMANDS = {
     "run": "bentod.cli.run:run",
     "check": "bentod.cli.check:check",
@@ -65,8 +81,10 @@ COMMANDS = {
     "calibrate": "bentod.cli.calibrate:calibrate",
     "recording": "bentod.cli.recording:recording",
     "replay": "bentod.cli.replay:replay",
+    "learn": "bentod.cli.learn:learn",
     "lsl": "bentod.cli.lsl:lsl",
     "bench": "bentod.cli.bench:bench",
+    "study": "sim.studies.command:study",
     "sim-bus": "sim.bus_process:sim_bus",
     "sim-can": "sim.can.process:sim_can",
 }
@@ -74,6 +92,7 @@ COMMANDS = {
 TARGETS = {
     **{f"joints.{name}.{field}": getattr(d, field) for name, d in JOINTS.items() for field in d.__slots__},
     **{f"emg.{name}.{field}": getattr(s, field) for name, s in EMG.items() for field in s.__slots__},
+    **{f"learners.{name}": target for name, target in LEARNERS.items()},
     **{f"commands.{name}": target for name, target in COMMANDS.items()},
 }
 """Every "module:attribute" above, by what it is for."""
@@ -102,6 +121,12 @@ def open_joints(name: str) -> OpenJoints:
 def open_emg(name: str) -> OpenEmg:
     """The factory of the source that `emg.source.name` chooses. Raises ConfigError: there is none."""
     return cast("OpenEmg", resolve(_source(name).open))
+
+
+def open_learner(name: str) -> OpenLearner:
+    """The factory of the learner that a question's `algorithm` chooses. Raises ConfigError: there is none."""
+    target = LEARNERS.get(name) or _entry_point("bentod.learners", name, LEARNERS)
+    return cast("OpenLearner", resolve(target if ":" in target else f"{target}:open_learner"))
 
 
 def driver_models(name: str) -> tuple[type[BaseModel], type[BaseModel]]:
@@ -133,7 +158,7 @@ def _source(name: str) -> Source:
     return Source(f"{module}:open_emg", f"{module}:Options")
 
 
-def _entry_point(group: str, name: str, ours: dict[str, Driver] | dict[str, Source]) -> str:
+def _entry_point(group: str, name: str, ours: Iterable[str]) -> str:
     """The module that a package from outside offers under `name`; imported only if it is chosen."""
     offered = {point.name: point.value for point in importlib.metadata.entry_points(group=group)}
     if name not in offered:

@@ -4,20 +4,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from bentod.control.arbiter import Decision, asked_of
-from bentod.control.groups import Group
 from bentod.desk import Desk
 from bentod.frames import (
     AssistFrame,
     Command,
     Costs,
     Frame,
-    GroupFrame,
     JointFrame,
     Mode,
-    State,
     Stop,
     Wishes,
 )
+from bentod.learn.signals import Percept
 from bentod.muscles import Look
 
 
@@ -40,7 +38,7 @@ class Stamp:
 class Deed:
     """What one tick saw and did."""
 
-    state: State
+    percept: Percept
     look: Look
     wishes: Mapping[str, Wishes]
     assist: AssistFrame
@@ -63,20 +61,15 @@ def frame(stamp: Stamp, desk: Desk, deed: Deed) -> Frame:
         fault=desk.modes.fault,
         joints=tuple(_joint(joint, desk, deed) for joint in range(len(desk.specs))),
         emg=deed.look.frame,
-        groups=tuple(_group(group, desk) for group in desk.groups),
+        groups=deed.percept.groups,
         assist=deed.assist,
         goal=desk.goals.frame,
         meta=desk.meta,
         gap=stamp.gap,
-        read_at=deed.state.time,
+        read_at=deed.percept.state.time,
         trial=desk.trials.running,
+        learn=desk.mind.frame(),
     )
-
-
-def _group(group: Group, desk: Desk) -> GroupFrame:
-    operator, effort = desk.driver(group)
-    names = tuple(desk.specs[joint].name for joint in group.joints)
-    return GroupFrame(group.name, names, desk.specs[group.active].name, effort, operator)
 
 
 def faulted(last: Frame, tick: int, due: float, fault: str) -> Frame:
@@ -96,7 +89,7 @@ def faulted(last: Frame, tick: int, due: float, fault: str) -> Frame:
 
 
 def _joint(joint: int, desk: Desk, deed: Deed) -> JointFrame:
-    reading = deed.state.joints[joint]
+    reading = deed.percept.state.joints[joint]
     holder, client = deed.decided[joint].holder, desk.clients.holder(joint)
     return JointFrame(
         name=desk.specs[joint].name,

@@ -79,6 +79,8 @@ class Controller:
         upkeep = upkeep or Upkeep()
         self._collector = upkeep.collector
         self._gate = upkeep.gate
+        self.chores: list[Callable[[float], None]] = []
+        """What is done in the time that is left after each tick, given the next deadline (monotonic s)."""
         self._pace = Pace(clock, self._period, desk.mind.budget, upkeep.lookout)
         self._seam = Seam([])
         self._torque = joints.torque()
@@ -108,7 +110,8 @@ class Controller:
             "client": desk.clients.wishes(),
             "home": desk.goals.wishes(),
         }
-        desk.mind.predict(state, gap, pace.has_time)
+        percept = desk.percept(self._ticks, due, gap, state, look.frame)
+        desk.mind.predict(percept, pace.has_time)
         assistance = desk.mind.assist(state, attended((*OPERATORS, "client"), wishes, desk.modes))
         wishes["assist"] = assistance.wishes
         decided = arbitrate(wishes, desk.modes, len(desk.specs))
@@ -119,10 +122,10 @@ class Controller:
         await self._clear_errors()
         await self._switch_torque()
         pace.enter("think")
-        desk.mind.learn(pace.has_time)
+        desk.learn(pace.has_time)
 
         pace.enter("publish")
-        deed = Deed(state, look, wishes, assistance.frame, decided, sent)
+        deed = Deed(percept, look, wishes, assistance.frame, decided, sent)
         self._newest = frame(self._stamp(due, gap), desk, deed)
         self._publish(self._newest, desk.journal.take(), True)
         self._seam.answer(self._newest)
@@ -173,6 +176,8 @@ class Controller:
         late = self._pace.end(self._due, skipped)
         if late:
             self._desk.journal.note("late", late.text, late.data)
+        for chore in self.chores:
+            chore(self._due)
         self._collector.collect(self._due)
 
     def _stamp(self, due: float, gap: bool) -> Stamp:

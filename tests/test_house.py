@@ -48,9 +48,10 @@ class Source:
     name: str
     lines: list[str]
     tree: ast.Module
+    nodes: tuple[ast.AST, ...]
 
     def functions(self) -> Iterator[Function]:
-        return (node for node in ast.walk(self.tree) if isinstance(node, Function))
+        return (node for node in self.nodes if isinstance(node, Function))
 
 
 @cache
@@ -60,7 +61,8 @@ def sources() -> tuple[Source, ...]:
 
 def _source(path: Path) -> Source:
     text = path.read_text(encoding="utf-8")
-    return Source(str(path.relative_to(ROOT)), text.splitlines(), ast.parse(text))
+    tree = ast.parse(text)
+    return Source(str(path.relative_to(ROOT)), text.splitlines(), tree, tuple(ast.walk(tree)))
 
 
 @cache
@@ -207,7 +209,7 @@ def test_imports_are_absolute() -> None:
         [
             f"{source.name}:{node.lineno}: import with {node.level} dots, bound 0"
             for source in sources()
-            for node in ast.walk(source.tree)
+            for node in source.nodes
             if isinstance(node, ast.ImportFrom) and node.level
         ]
     )
@@ -218,7 +220,7 @@ def test_nothing_prints() -> None:
         [
             f"{source.name}:{node.lineno}: {node.func.id}(), bound: log it, or click.echo in a command"
             for source in sources()
-            for node in ast.walk(source.tree)
+            for node in source.nodes
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
             if node.func.id in {"print", "input", "breakpoint"}
         ]

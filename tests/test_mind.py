@@ -1,6 +1,7 @@
 """Learners and assist between a reading and a wish: old readings, gaps, toggles, bugs."""
 
 import math
+from weakref import WeakKeyDictionary
 
 import pytest
 
@@ -8,8 +9,10 @@ from bentod.config_learn import Learn
 from bentod.config_tables import Assist
 from bentod.control.groups import Groups
 from bentod.errors import BadRequest, Refused
-from bentod.frames import Velocity
-from bentod.learn.horde import Horde
+from bentod.frames import EmgFrame, State, Velocity
+from bentod.learn.horde import HasTime, Horde, unhurried
+from bentod.learn.signals import Percept
+from bentod.learn.unit import Unit
 from bentod.mind import Mind
 from tests.fakes import PERIOD, SPECS, at
 
@@ -17,6 +20,9 @@ BOTH = ("shoulder", "elbow")
 LEARN = Learn(joints=BOTH, timescales=(10.0, 20.0))
 ASSIST = Assist(group="arm", timescale=20.0)
 SHOULDER, ELBOW = 0, 1
+NO_EMG = EmgFrame(False, False, "", 0, 0.0, 0, {}, 0)
+TICKS: WeakKeyDictionary[Mind, int] = WeakKeyDictionary()
+"""The newest tick of each mind."""
 
 
 def mind_of(learn: Learn | None = LEARN, assist: Assist | None = ASSIST) -> Mind:
@@ -26,15 +32,22 @@ def mind_of(learn: Learn | None = LEARN, assist: Assist | None = ASSIST) -> Mind
 def watch(mind: Mind, shoulder: float, elbow: float, steps: int = 1, stale: tuple[int, ...] = ()) -> None:
     """Show the same reading for a while."""
     for _ in range(steps):
-        mind.predict(at(shoulder, elbow, stale=stale), gap=False)
+        show(mind, at(shoulder, elbow, stale=stale))
         mind.learn()
 
 
+def show(mind: Mind, state: State, has_time: HasTime = unhurried, missed: int = 0, gap: bool = False) -> None:
+    """Begin the next tick, after `missed` ones; `gap`: the one before broke."""
+    tick = TICKS.get(mind, -1) + 1 + missed
+    TICKS[mind] = tick
+    mind.predict(Percept(tick, tick * PERIOD, gap or missed > 0, state, NO_EMG, ()), has_time)
+
+
 @pytest.fixture
-def cuts(monkeypatch: pytest.MonkeyPatch) -> list[Horde]:
-    """Grows whenever learners are told to forget the step before."""
-    cut: list[Horde] = []
-    monkeypatch.setattr(Horde, "cut", lambda horde: cut.append(horde))
+def cuts(monkeypatch: pytest.MonkeyPatch) -> list[Unit]:
+    """Grows whenever learners are told to forget the step before; there are those of two timescales."""
+    cut: list[Unit] = []
+    monkeypatch.setattr(Unit, "cut", lambda unit: cut.append(unit))
     return cut
 
 
@@ -66,22 +79,57 @@ def test_only_the_joints_that_are_asked_for_are_predicted() -> None:
 
 
 def test_the_features_need_fresh_readings_and_until_then_the_last_predictions_stand(
-    cuts: list[Horde],
+    cuts: list[Unit],
 ) -> None:
     mind = mind_of()
     watch(mind, 0.0, 0.0, steps=10)
     before = mind.predictions(ELBOW)
     watch(mind, 0.9, 0.0, steps=5, stale=(SHOULDER,))
     assert mind.predictions(ELBOW) == before
-    assert len(cuts) == 5
+    assert len(cuts) == 2 + 2 + 5 * 2  # in the first tick, when it is told to restart and again, then as long as blind
 
 
-def test_a_gap_between_two_readings_is_not_learned_from(cuts: list[Horde]) -> None:
+@pytest.mark.parametrize("missed", [3, 300])
+def test_a_long_gap_between_two_readings_is_not_learned_from(cuts: list[Unit], missed: int) -> None:
     mind = mind_of()
-    mind.predict(at(0.0, 0.0), gap=False)
+    watch(mind, 0.0, 0.0, steps=2)
+    cuts.clear()
+    show(mind, at(0.5, 0.5), missed=missed)
+    mind.learn()
+    assert len(cuts) == 2
+
+
+def test_a_tick_that_broke_is_not_learned_across(cuts: list[Unit]) -> None:
+    mind = mind_of()
+    watch(mind, 0.0, 0.0, steps=2)
+    cuts.clear()
+    show(mind, at(0.5, 0.5), gap=True)
+    mind.learn()
+    assert len(cuts) == 2
+
+
+@pytest.mark.parametrize("missed", [1, 2])
+def test_a_missed_tick_or_two_are_bridged(cuts: list[Unit], missed: int) -> None:
+    mind = mind_of()
+    watch(mind, 0.0, 0.0, steps=2)
+    cuts.clear()
+    show(mind, at(0.5, 0.5), missed=missed)
+    mind.learn()
     assert not cuts
-    mind.predict(at(0.5, 0.5), gap=True)
-    assert len(cuts) == 1
+
+
+def test_an_arm_of_which_every_other_tick_is_missed_is_predicted_as_far_ahead_in_time() -> None:
+    whole, every_other = mind_of(), mind_of()
+    for tick in range(4000):
+        state = at(math.sin(tick / 15), 0.0)
+        show(whole, state)
+        whole.learn()
+        if tick % 2:
+            show(every_other, state, missed=1)
+            every_other.learn()
+    for timescale in ("10", "20"):
+        expected = whole.predictions(SHOULDER)[timescale]
+        assert every_other.predictions(SHOULDER)[timescale] == pytest.approx(expected, abs=0.1)
 
 
 def test_a_joint_that_is_only_predicted_teaches_nothing_while_its_reading_is_old() -> None:
@@ -174,7 +222,7 @@ def test_a_learner_that_breaks_is_left_alone_and_the_reason_is_kept(monkeypatch:
 def test_the_timescale_that_the_assist_follows_learns_first_and_the_longest_last() -> None:
     mind = mind_of(Learn(joints=BOTH, timescales=(10.0, 40.0, 20.0)))
     for _ in range(300):
-        mind.predict(at(0.3, -0.4), gap=False)
+        show(mind, at(0.3, -0.4))
         mind.learn(iter([True, False]).__next__)
     assert mind.shed == 300
     expected = {"10": 0.3, "40": -1.0, "20": 0.3}  # where it is; the joint's minimum, as before any learning
@@ -184,7 +232,7 @@ def test_the_timescale_that_the_assist_follows_learns_first_and_the_longest_last
 def test_with_no_time_at_all_the_assist_still_follows_what_was_learned() -> None:
     mind = mind_of()
     watch(mind, 0.0, 0.2, steps=300)
-    mind.predict(at(0.0, 0.6), gap=False, has_time=lambda: False)
+    show(mind, at(0.0, 0.6), lambda: False)
     helped = mind.assist(at(0.0, 0.6), {SHOULDER})
     assert helped.frame.engaged
     assert helped.wishes.keys() == {ELBOW}
@@ -194,13 +242,13 @@ def test_with_no_time_at_all_the_assist_still_follows_what_was_learned() -> None
 def test_another_timescale_for_the_assist_is_learned_first_from_then_on() -> None:
     mind = mind_of()
     mind.change({"timescale": 10.0})
-    mind.predict(at(0.0, 0.0), gap=False)
+    show(mind, at(0.0, 0.0))
     assert mind.predictions(ELBOW).keys() == {"10"}
     mind.learn()
     assert list(mind.predictions(ELBOW)) == ["10", "20"]
 
 
-def test_nothing_is_learned_from_an_old_reading_after_the_write_either(cuts: list[Horde]) -> None:
+def test_nothing_is_learned_from_an_old_reading_after_the_write_either(cuts: list[Unit]) -> None:
     mind = mind_of()
     watch(mind, 0.0, 0.0)
     before = mind.predictions(ELBOW)

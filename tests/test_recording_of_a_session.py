@@ -13,6 +13,7 @@ from bentod.endpoint import RpcError
 from bentod.record.reader import Recording
 from bentod.record.session import Header
 from bentod.replay.relearn import Relearner, same_thoughts, ticks
+from sim.clock import run
 from tests.rig import PLAIN, number, running, sim_config, state, table, wait_for
 
 
@@ -24,10 +25,16 @@ def config_of(header: Header) -> Config:
     return parse(header.config, "the recording", registry)
 
 
-@pytest.fixture
-async def session(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A minute in which a wearer used the arm and an experimenter ran trials and changed the assist."""
-    async with running(recorded(tmp_path / "recordings"), tmp_path / "bentod.sock") as arm:
+    folder = tmp_path_factory.mktemp("session")
+    run(_minute(folder))
+    return folder / "recordings"
+
+
+async def _minute(folder: Path) -> None:
+    async with running(recorded(folder / "recordings"), folder / "bentod.sock") as arm:
         await arm.call("hello", "experimenter")
         await arm.call("set_meta", {"participant": "P01"})
         await arm.call("trial_start", name="circuit", condition="dpcc")
@@ -40,7 +47,6 @@ async def session(tmp_path: Path) -> Path:
         await arm.call("trial_stop")
         await asyncio.sleep(10)
         assert table(await arm.call("get_recording"))["problem"] == ""
-    return tmp_path / "recordings"
 
 
 async def test_what_was_recorded_learns_again_bit_for_bit(session: Path) -> None:

@@ -15,8 +15,9 @@ from bentod.control.groups import Groups
 from bentod.daemon import Daemon
 from bentod.desk import Desk
 from bentod.errors import Refused
-from bentod.frames import Mode, State, Stop, Velocity
+from bentod.frames import Mode, Stop, Velocity
 from bentod.learn.horde import HasTime, Horde, unhurried
+from bentod.learn.signals import Percept
 from bentod.mind import Mind
 from bentod.supervise import Supervisor
 from bentod.tick import AT_REST, next_deadline
@@ -32,9 +33,9 @@ class WatchfulMind(Mind):
         super().__init__(SPECS, 30.0, Groups(SPECS, {}))
         self.gaps: list[bool] = []
 
-    def predict(self, state: State, gap: bool, has_time: HasTime = unhurried) -> None:
-        self.gaps.append(gap)
-        super().predict(state, gap, has_time)
+    def predict(self, percept: Percept, has_time: HasTime = unhurried) -> None:
+        self.gaps.append(percept.gap)
+        super().predict(percept, has_time)
 
 
 @pytest.fixture

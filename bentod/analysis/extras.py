@@ -1,4 +1,4 @@
-"""What only the optional extra `analysis` brings is loaded when it is asked for, or its name is told."""
+"""What only an optional extra brings is loaded when it is asked for, or its name is told."""
 
 from bentod.errors import BentodError, ConfigError
 from bentod.registry import resolve
@@ -13,8 +13,8 @@ class MissingExtra(BentodError):
     code = "extra"
 
 
-def load_extra(target: str) -> object:
-    """The object that "module:attribute" names.
+def load_extra(target: str, extra: str = "analysis") -> object:
+    """The object that "module:attribute" names. `extra`: what brings its packages; empty if nothing of ours.
 
     Raises:
         MissingExtra: it needs a package that is not installed.
@@ -25,7 +25,8 @@ def load_extra(target: str) -> object:
         missing = error.__cause__
         if not isinstance(missing, ModuleNotFoundError) or (missing.name or "").startswith("bentod"):
             raise
+        told = f"the extra '{extra}' brings it: pip install 'bentod[{extra}]'"
         raise MissingExtra(
             f"this needs the package '{missing.name}', which is not installed; "
-            "the extra 'analysis' brings it: pip install 'bentod[analysis]'"
+            + (told if extra else f"pip install '{missing.name}'")
         ) from error

@@ -1,21 +1,16 @@
 """Direct predictive collaborative control: a joint is sent to where it is expected to be (thesis 5.3)."""
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from bentod.errors import BadRequest
-from bentod.frames import AssistFrame, JointSpec, Prediction, Velocity, Wishes
+from bentod.frames import AssistFrame, JointSpec, Velocity, Wishes
 
 
 def dpcc_velocity(predicted: float, position: float, rate_hz: float, k: float) -> float:
     """V = (P − θ) · f · k in rad/s, thesis (5.1): the share k of the way from θ to P (rad) in one tick."""
     return (predicted - position) * rate_hz * k
-
-
-def at_timescale(predictions: Iterable[Prediction], timescale: float) -> dict[int, float]:
-    """The predicted positions (rad) at one timescale (steps), by joint."""
-    return {p.joint: p.position for p in predictions if p.timescale == timescale}
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,7 @@ import click
 
 from bentod.cli import show
 from bentod.cli.ctl_arm import ARM
+from bentod.cli.ctl_learning import LEARNING
 from bentod.cli.ctl_muscles import MUSCLES
 from bentod.cli.ctl_session import SESSION
 from bentod.cli.link import ADDRESS, CA_FILE, TOKEN_FILE, Link, Way, assigned
@@ -109,5 +110,5 @@ def clients(link: Link) -> None:
     link.do("list_clients")
 
 
-for command in (*ARM, *MUSCLES, *SESSION):
+for command in (*ARM, *MUSCLES, *LEARNING, *SESSION):
     ctl.add_command(command)

@@ -16,9 +16,11 @@ _HELP = {
     "servo": "Give a Dynamixel servo its ID, baud rate or protocol.",
     "calibrate": "Measure how long a joint takes to obey, and write it to the config.",
     "replay": "Play a recording to clients as if it were live, or learn from it again.",
+    "learn": "Look at what was learned, and learn it again from recordings.",
     "recording": "Look into recordings: what is there, figures, reports, trials, other formats.",
     "lsl": "Stream state, muscle signals and events to LabRecorder and others on the network.",
     "bench": "Measure how late a tick begins on this machine.",
+    "study": "Run an experiment of the thesis again, in simulation, and check what must come out.",
     "sim-bus": "Simulate the arm's servos behind a serial port of their own.",
     "sim-can": "Simulate the arm's motor controllers on a CAN bus of their own.",
 }

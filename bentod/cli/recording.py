@@ -2,8 +2,7 @@
 
 import errno
 import shutil
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar, cast
@@ -16,7 +15,8 @@ from bentod.analysis.columns import as_json
 from bentod.analysis.export import FORMATS, export
 from bentod.analysis.extras import load_extra
 from bentod.analysis.stream import TABLES, UnfitRecording
-from bentod.errors import BadRequest, BentodError, Refused
+from bentod.cli.telling import echo_table, errors_as_sentences, printable
+from bentod.errors import BadRequest, Refused
 from bentod.record.reader import Recording, parts_of
 from bentod.record.recover import recover
 
@@ -43,13 +43,13 @@ def recording() -> None:
 @_JSON
 def info(files: Sequence[Path], as_data: bool) -> None:
     """Tell what recordings hold, and what is missing from them."""
-    with _told():
+    with errors_as_sentences():
         found = [_with(file, overview.overview) for file in files]
         if as_data:
             click.echo(as_json([overview.as_data(one) for one in found]))
             return
         for one in found:
-            click.echo("\n".join(map(_printable, overview.sentences(one))))
+            click.echo("\n".join(map(printable, overview.sentences(one))))
 
 
 @recording.command("recover")
@@ -60,10 +60,10 @@ def recover_command(file: Path, output: Path | None) -> None:
 
     FILE is mended in place; as it was found it is kept beside, ending in .cut. Of a folder, every part is.
     """
-    with _told():
+    with errors_as_sentences():
         if output is None:
             for part in parts_of(file) if file.is_dir() else [file]:
-                click.echo(_printable(str(recover(part))))
+                click.echo(printable(str(recover(part))))
             return
         if output.exists():
             raise Refused(f"{output} exists already; remove it, or choose another place with -o")
@@ -71,7 +71,7 @@ def recover_command(file: Path, output: Path | None) -> None:
         mended = recover(output)
         if mended.aside:
             mended.aside.unlink()
-        click.echo(_printable(str(replace(mended, aside=file if mended.aside else None))))
+        click.echo(printable(str(replace(mended, aside=file if mended.aside else None))))
 
 
 @recording.command("tasks")
@@ -79,7 +79,7 @@ def recover_command(file: Path, output: Path | None) -> None:
 @_JSON
 def tasks_command(files: Sequence[Path], as_data: bool) -> None:
     """Count time, toggles and contacts of trials, by participant and condition."""
-    with _told():
+    with errors_as_sentences():
         found = [circuit for file in files for circuit in _with(file, circuits)]
         if not found:
             names = ", ".join(str(file) for file in files)
@@ -88,11 +88,11 @@ def tasks_command(files: Sequence[Path], as_data: bool) -> None:
             click.echo(as_json(tasks.as_data(found)))
             return
         summaries = tasks.summaries(found)
-        _echo_table(tasks.HEAD, tasks.table(summaries))
+        echo_table(tasks.HEAD, tasks.table(summaries))
         click.echo()
-        _echo_table(tasks.CIRCUIT_HEAD, [tasks.circuit_row(circuit) for circuit in found])
+        echo_table(tasks.CIRCUIT_HEAD, [tasks.circuit_row(circuit) for circuit in found])
         lines = [*map(tasks.sentence, tasks.comparisons(found)), tasks.HOW, tasks.CAVEAT]
-        click.echo("\n" + "\n".join(map(_printable, lines)))
+        click.echo("\n" + "\n".join(map(printable, lines)))
 
 
 @recording.command("export")
@@ -102,7 +102,7 @@ def tasks_command(files: Sequence[Path], as_data: bool) -> None:
 @click.option("--topics", default=",".join(TABLES), show_default=True, help="Which tables, with commas.")
 def export_command(file: Path, kind: str, output: Path | None, topics: str) -> None:
     """Write tables with one column a quantity, and a dictionary of what the columns mean."""
-    with _told(), Recording(file) as found:
+    with errors_as_sentences(), Recording(file) as found:
         _require_ticks(found)
         out = output or Path(f"{found.header.session}-{kind}")
         _require_folder(out)
@@ -119,7 +119,7 @@ def export_command(file: Path, kind: str, output: Path | None, topics: str) -> N
 @click.option("--to", "end", type=float, help="Seconds since the session started.")
 def plot(file: Path, output: Path, what: str, start: float | None, end: float | None) -> None:
     """Draw one figure."""
-    with _told():
+    with errors_as_sentences():
         if start is not None and end is not None and end <= start:
             raise BadRequest(f"--to {end:g} must be after --from {start:g}", "to")
         _require_folder(output)
@@ -133,7 +133,7 @@ def plot(file: Path, output: Path, what: str, start: float | None, end: float | 
 @click.option("-o", "--output", type=_PATH, required=True, help="The .html to write.")
 def report(file: Path, output: Path) -> None:
     """Make one HTML page with every figure and table of a session."""
-    with _told():
+    with errors_as_sentences():
         _require_folder(output)
         make = cast("Report", load_extra("bentod.analysis.report:report"))
         output.write_text(_with(file, make), encoding="utf-8")
@@ -155,30 +155,3 @@ def _with(file: Path, use: Callable[[Recording], Found]) -> Found:
     """What `use` finds in a recording."""
     with Recording(file) as found:
         return use(found)
-
-
-@contextmanager
-def _told() -> Iterator[None]:
-    """What goes wrong is a sentence and the exit code 1."""
-    try:
-        yield
-    except BentodError as error:
-        click.echo(f"bentod: {_printable(str(error))}", err=True)
-        raise SystemExit(1) from error
-    except OSError as error:
-        click.echo(f"bentod: {error.filename or 'a file'}: {error.strerror or error}", err=True)
-        raise SystemExit(1) from error
-
-
-def _echo_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Aligned columns."""
-    cells = [[_printable(cell) for cell in row] for row in (head, *rows)]
-    widths = [max(len(row[column]) for row in cells) for column in range(len(head))]
-    for row in cells:
-        padded = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        click.echo("  ".join(padded).rstrip())
-
-
-def _printable(text: str) -> str:
-    """`text` without what would steer the terminal: a client chooses its own name."""
-    return "".join(letter if letter.isprintable() else "?" for letter in text)

@@ -4,25 +4,21 @@ import asyncio
 import math
 import signal
 import time
-import tomllib
 from pathlib import Path
 
 import click
-import tomlkit
 
-from bentod import registry
-from bentod.cli.link import parsed
+from bentod.cli.changes import single
 from bentod.clock import SystemClock
 from bentod.config import Config
-from bentod.config_file import parse
 from bentod.endpoint import default_socket_path
-from bentod.errors import BentodError, ConfigError
+from bentod.errors import BentodError
 from bentod.record.reader import Recording
-from bentod.record.session import Header
+from bentod.replay.altered import altered, relearner
 from bentod.replay.comparison import Comparison, compared
 from bentod.replay.player import Source, Span
 from bentod.replay.relearn import Relearner, Thought, ticks
-from bentod.replay.stage import Stage, explained
+from bentod.replay.stage import Stage
 
 
 class _Speed(click.ParamType[float]):
@@ -66,41 +62,15 @@ def replay(
         raise click.UsageError("--set and --serve belong to --learn")
     try:
         with Recording(file) as recording:
-            config = _config(recording.header, changes)
-            kept = [key.partition(".")[2] for key in _keys(changes) if key.startswith("assist.")]
+            chosen = single(changes)
+            config = altered(recording.header, chosen)
             if learn and not serve:
-                _compare(recording, Relearner(config, kept))
+                _compare(recording, relearner(recording.header, chosen))
                 return
-            relearner = Relearner(config, kept) if learn else None
-            asyncio.run(_play(recording, config, socket, relearner, (speed, start, loop, stay, paused)))
+            again = relearner(recording.header, chosen) if learn else None
+            asyncio.run(_play(recording, config, socket, again, (speed, start, loop, stay, paused)))
     except BentodError as error:
         raise click.ClickException(str(error)) from error
-
-
-def _keys(changes: tuple[str, ...]) -> list[str]:
-    return [change.partition("=")[0] for change in changes]
-
-
-def _config(header: Header, changes: tuple[str, ...]) -> Config:
-    """The recording's own config, with what is to be tried in its place.
-
-    Raises:
-        ConfigError: this version cannot use it, or a change is wrong.
-    """
-    tables = tomllib.loads(header.config)
-    for change in changes:
-        key, sign, value = change.partition("=")
-        *path, last = key.split(".")
-        place = tables
-        for name in path:
-            place = place.setdefault(name, {})
-        if not sign or not path:
-            raise ConfigError(f"--set {change}: write TABLE.KEY=VALUE")
-        place[last] = parsed(value)
-    try:
-        return parse(tomlkit.dumps(tables), "the recording's config", registry)
-    except ConfigError as error:
-        raise ConfigError(explained(error, header.config_name)) from error
 
 
 def _compare(recording: Recording, relearner: Relearner) -> None:

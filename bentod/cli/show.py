@@ -46,6 +46,22 @@ def _entry(head: str, entry: Value, indent: str) -> Iterator[str]:
         yield from _lines(entry, indent + "  ")
 
 
+def gvfs_text(value: Value) -> str:
+    """A line for each general value function: what it says, how sure and how wrong it is."""
+    columns = ("prediction", "confidence", "surprise", "error", "normalised_error")
+    rows = [["GVF", "predicts", "confidence", "surprise", "error", "share of sd"]]
+    for gvf in entries(value):
+        if isinstance(gvf, dict):
+            rows.append([word(gvf["name"]), *(_short(gvf.get(key)) for key in columns)])
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ([row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:])] for row in rows)
+    return "\n".join("  ".join(line) for line in lines)
+
+
+def _short(value: Value) -> str:
+    return f"{value:.4g}" if isinstance(value, int | float) else "-"
+
+
 def _is_plain(value: Value) -> bool:
     if isinstance(value, list):
         return not any(isinstance(entry, dict | list) for entry in value)

@@ -24,11 +24,11 @@ class Journal:
         """Record something that happened once."""
         self._events.append(Event(self.now, kind, text, data or {}))
 
-    def note_seldom(self, kind: str, about: str, text: str) -> None:
+    def note_seldom(self, kind: str, about: str, text: str, data: Mapping[str, Value] | None = None) -> None:
         """Record something that may happen in every tick; of one matter (`about`) once in `QUIET`."""
         if self.now >= self._quiet_until.get(about, -math.inf):
             self._quiet_until[about] = self.now + QUIET
-            self.note(kind, text)
+            self.note(kind, text, data)
 
     def settled(self, about: str) -> None:
         """The matter has ended: should it come again, it is recorded at once."""

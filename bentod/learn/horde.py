@@ -1,16 +1,30 @@
-"""Many questions like "where will this joint be in τ steps?", answered by groups of value functions."""
+"""Many general value functions, learned on line in the control tick: where to read how it is done first."""
 
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+import json
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import asdict
 from typing import TypeAlias
 
-from bentod.contracts import Features
-from bentod.frames import Prediction
-from bentod.learn.returns import discount
-from bentod.learn.true_online import TrueOnlineTD
+import numpy as np
+from numpy.typing import NDArray
+
+from bentod.contracts import Vector
+from bentod.errors import SnapshotError
+from bentod.frames import Value
+from bentod.learn.answers import Answers
+from bentod.learn.assembly import Assembly
+from bentod.learn.differences import differences
+from bentod.learn.encoder import Encoder
+from bentod.learn.paths import below, put_below
+from bentod.learn.question import Question
+from bentod.learn.scene import Scene
+from bentod.learn.succession import Heritage, succeed
+from bentod.learn.unit import Unit
 
 HasTime: TypeAlias = Callable[[], bool]
 """Whether there is time left to learn."""
+
+Memory: TypeAlias = Mapping[str, NDArray[np.float64]]
 
 
 def unhurried() -> bool:
@@ -18,106 +32,160 @@ def unhurried() -> bool:
     return True
 
 
-@dataclass(frozen=True, slots=True)
-class Question:
-    """One general value function: the position of a joint, `timescale` steps ahead in expectation."""
-
-    joint: int
-    timescale: float  # steps, at least 1
-
-
-@dataclass(frozen=True, slots=True)
-class _Group:
-    """The questions of one timescale, which share γ and so one eligibility trace."""
-
-    timescale: float  # steps
-    gamma: float
-    asked: tuple[int, ...]  # places among the questions
-    joints: tuple[int, ...]
-    learner: TrueOnlineTD
-
-
 class Horde:
-    """Predictors of joint positions, as in thesis 5.3: R = (1 − γ) θ, α = `step_size` / `active`.
+    """Answers all questions of an assembly, tick by tick.
 
-    `size` and `active` are those of the representation. `initial`: rad, what each question is answered before
-    anything is learned (the thesis: the joint's minimum), to within the few features that collisions cost.
-    A `step_size` of 1 would take each error away whole; more would overshoot, so 1 is the bound.
+    A tick is `begin`, then `step` for the questions that somebody waits for, then `step` for the rest. A
+    question follows those whose predictions it is made from, and then the shortest horizon comes first.
+    Once `has_time` says no, the units that are left learn nothing from this tick: they forget the step
+    before, so that none is learned from twice or across a gap, and predict with what they know.
     """
 
-    def __init__(
-        self,
-        questions: Sequence[Question],
-        size: int,
-        active: int,
-        initial: Sequence[float],
-        lam: float = 0.95,
-        step_size: float = 0.3,
-    ) -> None:
-        if not 0 < step_size <= 1:
-            raise ValueError(f"The step size must be above 0 and up to 1, not {step_size}.")
-        if len(initial) != len(questions):
-            raise ValueError(f"{len(questions)} questions need as many initial angles, not {len(initial)}.")
-        self._questions = tuple(questions)
-        weights = [angle / active for angle in initial]
-        self._groups = tuple(
-            self._group(timescale, weights, size, lam, step_size / active)
-            for timescale in sorted({question.timescale for question in questions})
-        )
+    def __init__(self, assembly: Assembly) -> None:
+        self._assembly = assembly
+        self.answers = Answers([question.name for question in assembly.questions])
         self.shed = 0
-        """How often a group of questions was left to predict without learning, because there was no time."""
+        """How often a unit was left to predict without learning, because there was no time."""
+        self._scene = Scene(np.empty(0), self.answers, 1, 0)
+        self._waiting: list[Unit] = []
 
     @property
-    def resets(self) -> tuple[int, ...]:
-        """How often each question's learner stopped being finite and started again, in question order."""
-        counts = [0] * len(self._questions)
-        for group in self._groups:
-            for place, count in zip(group.asked, group.learner.resets.tolist(), strict=True):
-                counts[place] = count
-        return tuple(counts)
+    def questions(self) -> tuple[Question, ...]:
+        """What is asked, in the order of all arrays."""
+        return self._assembly.questions
 
-    def step(
-        self,
-        features: Features,
-        positions: Sequence[float],
-        has_time: HasTime = unhurried,
-        timescales: Collection[float] | None = None,
-    ) -> tuple[Prediction, ...]:
-        """Learn from having arrived at `positions` (rad, by joint index), then predict, in question order.
+    @property
+    def units(self) -> tuple[Unit, ...]:
+        """What learns in one go, in the order of learning; `shed` counts these."""
+        return self._assembly.units
 
-        The shortest timescale learns first. Once `has_time` says no, the groups that are left learn nothing
-        from this step: they forget the step before, so that none is learned from twice or across a gap, and
-        predict with what they know. `timescales`: only these groups take the step; None is all of them.
+    def needs(self, name: str) -> frozenset[str]:
+        """The questions whose predictions the question `name` is made from."""
+        return self._assembly.needs[name]
 
-        A joint whose position is not finite teaches nothing in this step, and is still predicted.
+    def resets(self) -> dict[str, int]:
+        """How often learners had to begin anew, of those that had to."""
+        counts = [(unit, unit.pupils.resets) for unit in self.units]
+        return {
+            name: int(count)
+            for unit, resets in counts
+            if resets.any()
+            for name, count in zip(self._names(unit), resets.tolist(), strict=True)
+        }
+
+    def begin(self, tick: int, signals: Vector, elapsed: int, steps: int) -> None:
+        """A new tick, `elapsed` after the last; `steps`: the same, or 0 if learning cannot span them."""
+        self.answers.begin(tick)
+        self._scene = Scene(signals, self.answers, elapsed, steps)
+        self._waiting = list(self.units)
+
+    def step(self, has_time: HasTime = unhurried, names: Collection[str] | None = None) -> None:
+        """Learn, then predict, what has not been in this tick: `names` and all they are made from, or all."""
+        due = self._waiting if names is None else self._needed(names)
+        for unit in due:
+            learn = has_time()
+            self.shed += not learn
+            unit.step(self._scene, learn)
+        self._waiting = [unit for unit in self._waiting if unit not in due]
+
+    def restart(self) -> None:
+        """What comes next has nothing to do with what came before; what was learned stays."""
+        for encoder in self._assembly.encoders.values():
+            encoder.restart()
+        for unit in self.units:
+            unit.restart()
+
+    def reset(self, names: Collection[str]) -> None:
+        """Begin anew with the questions `names`."""
+        for unit in self.units:
+            columns = [c for c, place in enumerate(unit.places) if self.questions[place].name in names]
+            if columns:
+                unit.reset(columns)
+
+    def spec(self) -> dict[str, Value]:
+        """All that decides what the memory means."""
+        codings: dict[str, Value] = {
+            name: encoder.coding.spec() for name, encoder in self._assembly.encoders.items()
+        }
+        return {
+            "questions": [plain(question) for question in self.questions],
+            "representations": codings,
+            "units": [list[Value](self._names(unit)) for unit in self.units],
+        }
+
+    def memory(self) -> dict[str, NDArray[np.float64]]:
+        """Copies of all that has been learned and is remembered."""
+        return {name: array for part in self.memories() for name, array in part.items()}
+
+    def memories(self) -> Iterator[dict[str, NDArray[np.float64]]]:
+        """The same in parts, each copied when it is asked for: they are units and representations."""
+        for place, unit in enumerate(self.units):
+            yield put_below(f"units/{place}", unit.memory())
+        for name, encoder in self._assembly.encoders.items():
+            yield put_below(f"representations/{name}", encoder.memory())
+
+    def recall(self, spec: Mapping[str, Value], memory: Memory) -> list[str]:
+        """Go on with what was learned before; returns the questions of which nothing was, which begin anew.
+
+        Raises:
+            SnapshotError: it was learned from other representations, and the sentence says what differs; or
+                it is not such a memory. This horde may then know some of it.
         """
-        answers: dict[int, float] = {}
-        for group in self._groups:
-            if timescales is None or group.timescale in timescales:
-                values = self._step(group, features, positions, has_time())
-                answers.update(zip(group.asked, values, strict=True))
-        asked = [(place, self._questions[place]) for place in sorted(answers)]
-        return tuple(Prediction(it.joint, it.timescale, answers[place]) for place, it in asked)
+        questions, codings, units = (
+            _tables(spec.get("questions")),
+            spec.get("representations"),
+            spec.get("units"),
+        )
+        if unlike := differences(
+            {"representations": self.spec()["representations"]}, {"representations": codings}
+        ):
+            raise SnapshotError("; ".join(unlike))
+        known = frozenset(it.name for it in self.questions if plain(it) in questions)
+        asked = (
+            [list(map(str, names)) for names in units if isinstance(names, list)]
+            if isinstance(units, list)
+            else []
+        )
+        try:
+            new = self._inherit(Heritage.of(asked, below(memory, "units")), known)
+            for name, encoder in self._assembly.encoders.items():
+                encoder.recall(below(memory, f"representations/{name}"))
+        except ValueError as error:
+            raise SnapshotError(f"it does not hold what it says: {error}") from error
+        return new
 
-    def cut(self) -> None:
-        """Forget the previous step, not the weights, e.g. after a gap in the readings."""
-        for group in self._groups:
-            group.learner.cut()
+    def succeed(self, other: "Horde") -> None:
+        """Go on with the tick of `other`, and where it is with questions that are the same; it is used up."""
+        known = frozenset(question.name for question in self.questions if question in other.questions)
+        elders = [(other._names(unit), unit) for unit in other.units]
+        for unit in self.units:
+            succeed(unit, self._names(unit), elders, known)
+        for name, encoder in self._assembly.encoders.items():
+            encoder.go_on(other._assembly.encoders[name])
+        self.answers.take_over(other.answers, known)
+        self.shed = other.shed
 
-    def _step(
-        self, group: _Group, features: Features, positions: Sequence[float], learn: bool
-    ) -> list[float]:
-        if not learn:
-            self.shed += 1
-            group.learner.cut()
-        cumulants = [(1 - group.gamma) * positions[joint] for joint in group.joints]
-        values: list[float] = group.learner.step(features, cumulants).tolist()
-        return values
+    @property
+    def encoders(self) -> Mapping[str, Encoder]:
+        """Each representation, as it sees the newest tick."""
+        return self._assembly.encoders
 
-    def _group(
-        self, timescale: float, weights: Sequence[float], size: int, lam: float, alpha: float
-    ) -> _Group:
-        gamma = discount(timescale)
-        asked = tuple(i for i, question in enumerate(self._questions) if question.timescale == timescale)
-        learner = TrueOnlineTD(size, [weights[i] for i in asked], gamma, lam, alpha)
-        return _Group(timescale, gamma, asked, tuple(self._questions[i].joint for i in asked), learner)
+    def _inherit(self, heritage: Heritage, known: frozenset[str]) -> list[str]:
+        return [name for unit in self.units for name in heritage.hand_on(unit, self._names(unit), known)]
+
+    def _names(self, unit: Unit) -> list[str]:
+        return [self.questions[place].name for place in unit.places.tolist()]
+
+    def _needed(self, names: Collection[str]) -> list[Unit]:
+        needed = self._assembly.closure(names)
+        return [unit for unit in self._waiting if not needed.isdisjoint(unit.places.tolist())]
+
+
+def plain(question: Question) -> dict[str, Value]:
+    """A question as data; equal data, equal questions."""
+    told: dict[str, Value] = json.loads(json.dumps(asdict(question)))
+    return told
+
+
+def _tables(value: Value) -> list[Value]:
+    return value if isinstance(value, list) else []

@@ -109,9 +109,8 @@ class Container:
         self._indexes[Opcode.METADATA_INDEX].append(_bytes(MetadataIndex(self.size, len(data), name)))
         self._write(data)
 
-    def attachment(self, name: str, media_type: str, text: str, time: int) -> None:
+    def attachment(self, name: str, media_type: str, content: bytes, time: int) -> None:
         """A file; `time`: ns since the epoch."""
-        content = text.encode("utf-8", "backslashreplace")
         data = _bytes(Attachment(time, time, name, media_type, content))
         index = AttachmentIndex(self.size, len(data), time, time, len(content), name, media_type)
         self._indexes[Opcode.ATTACHMENT_INDEX].append(_bytes(index))

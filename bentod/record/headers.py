@@ -12,7 +12,7 @@ from bentod.record.session import SCHEMA, Header
 SESSION, JOINTS, VERSIONS = "bentod.session", "bentod.joints", "bentod.versions"
 """Names of the metadata; the first is the last to be written, so that where it is, all are."""
 
-CONFIG, URDF = "config.toml", "robot.urdf"
+CONFIG, URDF, LEARNED = "config.toml", "robot.urdf", "learned.npz"
 """Names of the attachments."""
 
 
@@ -24,9 +24,11 @@ def write_header(container: Container, header: Header, time: int) -> None:
         dict.fromkeys(SCHEMAS.values(), data), [(topic, name, notes) for topic, name in SCHEMAS.items()]
     )
     if header.config:
-        container.attachment(CONFIG, "application/toml", header.config, time)
+        container.attachment(CONFIG, "application/toml", _bytes(header.config), time)
     if header.urdf:
-        container.attachment(URDF, "application/xml", header.urdf, time)
+        container.attachment(URDF, "application/xml", _bytes(header.urdf), time)
+    if header.learned and header.part == 1:
+        container.attachment(LEARNED, "application/zip", header.learned, time)
     container.metadata(VERSIONS, header.versions)
     container.metadata(JOINTS, {joint.name: joint_to_json(joint) for joint in header.joints})
     container.metadata(
@@ -45,7 +47,7 @@ def write_header(container: Container, header: Header, time: int) -> None:
 
 
 def read_header(
-    where: str, metadata: Mapping[str, Mapping[str, str]], attachments: Mapping[str, str]
+    where: str, metadata: Mapping[str, Mapping[str, str]], attachments: Mapping[str, bytes]
 ) -> Header:
     """The header again; `where` names the file in errors.
 
@@ -65,12 +67,21 @@ def read_header(
         arm=session["arm"],
         rate_hz=float(session["rate_hz"]),
         joints=tuple(joint_from_json(name, text) for name, text in joints.items()),
-        config=attachments.get(CONFIG, ""),
+        config=_text(attachments.get(CONFIG, b"")),
         config_name=session["config_name"],
         versions=dict(metadata.get(VERSIONS, {})),
         part=int(session["part"]),
-        urdf=attachments.get(URDF, ""),
+        urdf=_text(attachments.get(URDF, b"")),
+        learned=attachments.get(LEARNED, b""),
     )
+
+
+def _bytes(text: str) -> bytes:
+    return text.encode("utf-8", "backslashreplace")
+
+
+def _text(content: bytes) -> str:
+    return content.decode("utf-8", "replace")
 
 
 def check_version(where: str, schema: str) -> None:

@@ -59,7 +59,7 @@ class Head:
     """What stands before the first chunk."""
 
     metadata: dict[str, dict[str, str]]
-    attachments: dict[str, str]
+    attachments: dict[str, bytes]
     channels: dict[int, str]  # topics
 
 
@@ -206,7 +206,7 @@ def _note(head: Head, opcode: int, body: bytes) -> None:
         head.metadata[metadata.name] = metadata.metadata
     elif opcode == Opcode.ATTACHMENT:
         attachment = Attachment.read(stream)
-        head.attachments[attachment.name] = attachment.data.decode("utf-8", "replace")
+        head.attachments[attachment.name] = attachment.data
     elif opcode == Opcode.CHANNEL:
         channel = Channel.read(stream)
         head.channels[channel.id] = channel.topic

@@ -25,8 +25,10 @@ _PACKAGES = ("bentod", "numpy", "mcap", "protobuf", "zstandard")
 _PATIENCE = 2.0  # s that git may take
 
 
-def new_header(config: Config, text: str, name: str, clock: Clock) -> Header:
+def new_header(config: Config, text: str, name: str, clock: Clock, learned: bytes = b"") -> Header:
     """The header of a session that begins now; `text` and `name` are those of the config file.
+
+    `learned`: the snapshot that its learners go on with.
 
     It starts git, so it belongs before the first tick.
 
@@ -46,6 +48,7 @@ def new_header(config: Config, text: str, name: str, clock: Clock) -> Header:
         config_name=name,
         versions=versions(),
         urdf=_urdf(config.record.urdf),
+        learned=learned,
     )
 
 

@@ -19,6 +19,7 @@ from bentod.frames import (
     GoalFrame,
     GroupFrame,
     JointFrame,
+    LearnFrame,
     Mode,
     Position,
     Stop,
@@ -174,6 +175,18 @@ TABLE = (
         (Field(1, "read", D), Field(2, "think", D), Field(3, "write", D), Field(4, "publish", D)),
     ),
     Message(
+        "LearnFrame",
+        (LearnFrame,),
+        (
+            Field(1, "predictions", Kind.NUMBERS),
+            Field(2, "older", Kind.NUMBERS),
+            Field(3, "confidence", Kind.NUMBERS),
+            Field(4, "surprise", Kind.NUMBERS),
+            Field(5, "error", Kind.NUMBERS),
+            Field(6, "familiarity", Kind.NUMBERS),
+        ),
+    ),
+    Message(
         "Frame",
         (Frame,),
         (
@@ -197,6 +210,7 @@ TABLE = (
             Field(18, "read_at", D),
             Field(19, "trial", Kind.MAYBE, "Trial"),
             Field(20, "whole", B),
+            Field(21, "learn", Kind.ONE, "LearnFrame"),
         ),
     ),
     Message(

@@ -1,14 +1,15 @@
 """Learners and assist over recorded ticks: bit for bit as they were live, or with other parameters."""
 
 import itertools
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from bentod.config import Config
-from bentod.control.groups import Groups
-from bentod.frames import Command, Event, Frame, JointFrame, JointState, State
+from bentod.frames import Command, Event, Frame, JointFrame, JointState, State, Value
+from bentod.furnish import mind_of
 from bentod.learn.horde import HasTime
-from bentod.mind import Mind
+from bentod.learn.signals import Percept
+from bentod.learn.snapshot import Keepable
 from bentod.replay.player import Source
 
 ASSIST_KEYS = ("mode", "k", "timescale", "velocity_limit_rad_s", "manual_after_toggle_s")
@@ -74,11 +75,11 @@ class Relearner:
 
     def __init__(self, config: Config, kept: Collection[str] = ()) -> None:
         specs = [joint.spec() for joint in config.joints]
-        groups = Groups(specs, {group.name: group.joints for group in config.groups})
         self._names = [spec.name for spec in specs]
-        self._mind = Mind(specs, config.rate_hz, groups, config.learn, config.assist)
+        self._mind = mind_of(config)
+        self.learners: Keepable | None = self._mind.predictor
+        """What can be kept of what is learned; None if there is nothing of that kind."""
         self._kept = frozenset(kept)
-        self._timescales = len(config.learn.timescales) if config.learn else 0
         self._shed = 0
 
     def step(self, tick: Tick) -> Frame:
@@ -93,20 +94,23 @@ class Relearner:
             return frame
         state = _state(frame)
         has_time = self._budget(frame)
-        self._mind.predict(state, frame.gap, has_time)
+        self._mind.predict(
+            Percept(frame.tick, frame.time, frame.gap, state, frame.emg, frame.groups), has_time
+        )
         attended = frame.assist.attended
         helped = self._mind.assist_beside(state, self._names.index(attended) if attended else None)
         self._mind.learn(has_time)
         joints = tuple(
             self._joint(index, joint, helped.wishes.get(index)) for index, joint in enumerate(frame.joints)
         )
-        return replace(frame, assist=helped.frame, joints=joints)
+        return replace(frame, assist=helped.frame, joints=joints, learn=self._mind.frame())
 
     def _budget(self, frame: Frame) -> HasTime:
         """As many learners have time as had it in this tick: those that are left out are always the last."""
         left_out, self._shed = frame.shed - self._shed, frame.shed
         asked = itertools.count(1)
-        return lambda: next(asked) <= self._timescales - left_out
+        units = self._mind.units
+        return lambda: next(asked) <= units - left_out
 
     def _joint(self, index: int, joint: JointFrame, wish: Command | None) -> JointFrame:
         others = {source: asked for source, asked in joint.asked.items() if source != "assist"}
@@ -119,6 +123,17 @@ class Relearner:
         elif event.kind == "assist":
             told = {key: event.data.get(key) for key in ASSIST_KEYS if key not in self._kept}
             self._mind.change({key: v for key, v in told.items() if isinstance(v, float | int | str)})
+        elif event.kind == "learn":
+            self._ask(event.data)
+
+    def _ask(self, told: Mapping[str, Value]) -> None:
+        """What clients had learned, forgotten or begun anew."""
+        if "added" in told:
+            self._mind.add_gvf(told["added"])
+        for verb, act in (("removed", self._mind.learners.remove), ("reset", self._mind.learners.reset)):
+            names = told.get(verb)
+            if isinstance(names, list):
+                act([str(name) for name in names])
 
 
 def _state(frame: Frame) -> State:
@@ -142,7 +157,8 @@ def _state(frame: Frame) -> State:
 
 def same_thoughts(one: Frame, other: Frame) -> bool:
     """Whether two frames hold the same predictions and the same wishes of the assist, bit for bit."""
-    return one.assist == other.assist and all(
+    same = one.assist == other.assist and one.learn.predictions == other.learn.predictions
+    return same and all(
         mine.predictions == theirs.predictions and mine.asked.get("assist") == theirs.asked.get("assist")
         for mine, theirs in zip(one.joints, other.joints, strict=True)
     )

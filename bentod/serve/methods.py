@@ -8,6 +8,7 @@ from bentod.errors import BentodError
 from bentod.frames import Value
 from bentod.messages import Packed, pack
 from bentod.serve.arm_methods import ArmMethods
+from bentod.serve.learning_methods import LearningMethods
 from bentod.serve.peers import Role
 from bentod.serve.room import Room
 from bentod.serve.session import Session
@@ -19,9 +20,10 @@ from bentod.serve.tuning_methods import TuningMethods
 def arm_methods(room: Room) -> dict[str, Method]:
     """Every method, by name. What an observer may call moves nothing; `stop` only ends motion."""
     arm, tuning, sitting = ArmMethods(room), TuningMethods(room), SessionMethods(room)
+    learning = LearningMethods(room)
     methods: dict[str, Method] = {}
-    looking = (_lister(methods), *_looking(arm, tuning, sitting))
-    methods |= table(observer=looking, operator=_moving(arm, tuning, sitting))
+    looking = (_lister(methods), *_looking(arm, tuning, sitting), learning.gvf_list)
+    methods |= table(observer=looking, operator=(*_moving(arm, tuning, sitting), *_teaching(learning)))
     return {name: _told(entry, room) for name, entry in methods.items()}
 
 
@@ -72,6 +74,10 @@ def _moving(arm: ArmMethods, tuning: TuningMethods, sitting: SessionMethods) -> 
         sitting.trial_stop,
         tuning.inject,
     )
+
+
+def _teaching(learning: LearningMethods) -> tuple[Handler, ...]:
+    return (learning.gvf_add, learning.gvf_remove, learning.gvf_reset)
 
 
 def _told(method: Method, room: Room) -> Method:

@@ -132,6 +132,19 @@ def record(folder: Path, entries: Sequence[Entry], about: Header | None = None) 
     return path
 
 
+@cache
+def excerpt() -> tuple[Entry, ...]:
+    """The last 30 s of `session()`: most of a trial, all that clients did, and the fault."""
+    start = frames(session())[-1].time - 30.0
+    return tuple(entry for entry in session() if entry.time >= start)
+
+
+@cache
+def recorded(folder: Path) -> Path:
+    """One recording of `session()`, below `folder`, for everybody who only reads it."""
+    return record(folder / "recorded session", session())
+
+
 def frames(entries: Iterable[Entry]) -> list[Frame]:
     """The ticks among `entries`."""
     return [entry for entry in entries if isinstance(entry, Frame)]

@@ -10,7 +10,7 @@ from bentod.analysis.circuits import Circuit, circuits
 from bentod.frames import Event, Frame, GroupFrame, Trial, Value
 from bentod.record.reader import Recording
 from bentod.record.session import Entry
-from tests.analysis.helpers import CONDITIONS, PERIOD, TRIAL_S, frames, record, session, ticks
+from tests.analysis.helpers import CONDITIONS, PERIOD, TRIAL_S, frames, record, recorded, session, ticks
 
 START = 100.0
 
@@ -131,8 +131,9 @@ def test_without_a_participant_the_session_stands_for_one(tmp_path: Path) -> Non
     assert circuit.participant == circuit.session
 
 
-def test_a_session_of_the_daemon_has_its_trials(tmp_path: Path) -> None:
-    seen = found(tmp_path, session())
+def test_a_session_of_the_daemon_has_its_trials(tmp_path_factory: pytest.TempPathFactory) -> None:
+    with Recording(recorded(tmp_path_factory.getbasetemp())) as recording:
+        seen = circuits(recording)
     assert [circuit.condition for circuit in seen] == list(CONDITIONS)
     assert [circuit.time for circuit in seen] == pytest.approx([TRIAL_S] * 6, abs=PERIOD * 1.01)
     assert {circuit.participant for circuit in seen} == {"P7"}

@@ -4,7 +4,8 @@ import csv
 import json
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -21,14 +22,27 @@ from bentod.analysis.stream import TABLES
 from bentod.errors import BadRequest, Refused
 from bentod.frames import ClientCommand, Event
 from bentod.record.reader import Recording
-from tests.analysis.helpers import blocks, frames, header, record, samples, session, ticks
+from tests.analysis.helpers import blocks, excerpt, frames, header, record, samples, ticks
 
 Table = Mapping[str, Sequence[Cell]]
+Whole = Callable[[str], tuple[Path, Mapping[str, int]]]
 
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return record(tmp_path_factory.mktemp("recordings"), session())
+    return record(tmp_path_factory.mktemp("recordings"), excerpt())
+
+
+@pytest.fixture(scope="module")
+def whole(file: Path, tmp_path_factory: pytest.TempPathFactory) -> Whole:
+    """Every table in a format: its folder, and the rows it was said to have. For who only reads it."""
+
+    @cache
+    def made(kind: str) -> tuple[Path, Mapping[str, int]]:
+        out = tmp_path_factory.mktemp(kind) / "out"
+        return out, exported(file, kind, out)
+
+    return made
 
 
 def exported(file: Path, kind: str, out: Path, tables: Sequence[str] = TABLES) -> Mapping[str, int]:
@@ -36,27 +50,29 @@ def exported(file: Path, kind: str, out: Path, tables: Sequence[str] = TABLES) -
         return export(recording, kind, out, tables)
 
 
+@cache
 def expected_ticks() -> Table:
-    known = [spec.name for spec in header(session()).joints]
-    columns = TickColumns(known, frames(session())[:500])
-    cells = columns.cells(frames(session()))
+    known = [spec.name for spec in header(excerpt()).joints]
+    columns = TickColumns(known, frames(excerpt())[:500])
+    cells = columns.cells(frames(excerpt()))
     return {column.name: list(values) for column, values in zip(columns.columns, cells, strict=True)}
 
 
 def expected_rows() -> Mapping[str, list[tuple[Cell, ...]]]:
     return {
-        "events": [event_row(entry) for entry in session() if isinstance(entry, Event)],
-        "commands": [command_row(entry) for entry in session() if isinstance(entry, ClientCommand)],
+        "events": [event_row(entry) for entry in excerpt() if isinstance(entry, Event)],
+        "commands": [command_row(entry) for entry in excerpt() if isinstance(entry, ClientCommand)],
     }
 
 
 def wanted_kinds() -> Mapping[str, str]:
-    known = [spec.name for spec in header(session()).joints]
-    return {c.name: c.kind for c in TickColumns(known, frames(session())[:500]).columns}
+    known = [spec.name for spec in header(excerpt()).joints]
+    return {c.name: c.kind for c in TickColumns(known, frames(excerpt())[:500]).columns}
 
 
+@cache
 def expected_samples() -> np.ndarray:
-    return np.concatenate([samples(block) for block in blocks(session())])
+    return np.concatenate([samples(block) for block in blocks(excerpt())])
 
 
 def same(found: Cell, expected: Cell) -> bool:
@@ -69,17 +85,17 @@ def same(found: Cell, expected: Cell) -> bool:
     return both_nan or ((found == expected and type(found) is not bool) or found is expected)
 
 
-def test_parquet_holds_every_cell_of_every_table(file: Path, tmp_path: Path) -> None:
-    rows = exported(file, "parquet", tmp_path / "out")
-    table = pq.read_table(tmp_path / "out" / "ticks.parquet")
+def test_parquet_holds_every_cell_of_every_table(whole: Whole) -> None:
+    out, rows = whole("parquet")
+    table = pq.read_table(out / "ticks.parquet")
     wanted = expected_ticks()
     assert table.column_names == list(wanted)
     for name, values in wanted.items():
         found = table[name].to_pylist()
         assert all(map(same, found, values)), name
-    assert rows["ticks"] == table.num_rows == len(frames(session()))
+    assert rows["ticks"] == table.num_rows == len(frames(excerpt()))
     for columns, name in ((EVENTS, "events"), (COMMANDS, "commands")):
-        read = pq.read_table(tmp_path / "out" / f"{name}.parquet")
+        read = pq.read_table(out / f"{name}.parquet")
         assert [tuple(row.values()) for row in read.to_pylist()] == expected_rows()[name]
         assert read.column_names == [column.name for column in columns]
 
@@ -90,18 +106,18 @@ def test_emg_keeps_every_bit_and_the_index_of_each_sample(file: Path, tmp_path: 
     volts = np.stack([table[f"channel_{number}_v"].to_numpy() for number in range(3)], axis=1)
     assert volts.dtype == np.float32
     assert volts.tobytes() == expected_samples().tobytes()
-    index = [b.first_index + k for b in blocks(session()) for k in range(len(b.samples))]
+    index = [b.first_index + k for b in blocks(excerpt()) for k in range(len(b.samples))]
     assert table["index"].to_pylist() == index
     first = table.filter(table["block"])
-    assert first["time_s"].to_pylist() == [block.time for block in blocks(session())]
-    assert first["dropped"].to_pylist() == [block.dropped for block in blocks(session())]
-    assert table["time_s"][1].as_py() == pytest.approx(blocks(session())[0].time + 1 / 200)
+    assert first["time_s"].to_pylist() == [block.time for block in blocks(excerpt())]
+    assert first["dropped"].to_pylist() == [block.dropped for block in blocks(excerpt())]
+    assert table["time_s"][1].as_py() == pytest.approx(blocks(excerpt())[0].time + 1 / 200)
     assert [path.name for path in sorted((tmp_path / "out").iterdir())] == [DICTIONARY, "emg.parquet"]
 
 
-def test_csv_holds_every_cell(file: Path, tmp_path: Path) -> None:
-    exported(file, "csv", tmp_path / "out")
-    with (tmp_path / "out" / "ticks.csv").open(newline="", encoding="utf-8") as lines:
+def test_csv_holds_every_cell(whole: Whole) -> None:
+    out, _ = whole("csv")
+    with (out / "ticks.csv").open(newline="", encoding="utf-8") as lines:
         head, *rows = csv.reader(lines)
     wanted = expected_ticks()
     assert head == list(wanted)
@@ -109,12 +125,12 @@ def test_csv_holds_every_cell(file: Path, tmp_path: Path) -> None:
         numeric = wanted_kinds()[name] == "float"
         told = ["" if v is None else str(float(v) if numeric else v) for v in wanted[name]]
         assert list(found) == told, name
-    with (tmp_path / "out" / "emg.csv").open(newline="", encoding="utf-8") as lines:
+    with (out / "emg.csv").open(newline="", encoding="utf-8") as lines:
         emg = list(csv.DictReader(lines))
     volts = [[row[f"channel_{number}_v"] for number in range(3)] for row in emg]
     assert np.array(volts, dtype=np.float32).tobytes() == expected_samples().tobytes()
-    assert float(emg[0]["time_s"]) == blocks(session())[0].time
-    with (tmp_path / "out" / "commands.csv").open(newline="", encoding="utf-8") as lines:
+    assert float(emg[0]["time_s"]) == blocks(excerpt())[0].time
+    with (out / "commands.csv").open(newline="", encoding="utf-8") as lines:
         assert [row["client"] for row in csv.DictReader(lines)] == ["joy <&> \x1b[31m", "nobody"]
 
 
@@ -145,37 +161,36 @@ def test_a_ros_bag_is_read_back_by_rosbags(file: Path, tmp_path: Path) -> None:
             if connection.topic == "/bentod/frame":
                 stamps.append(stamp)
     states = found["/joint_states"]
-    assert len(states) == counts["ticks"] == len(frames(session()))
-    for state, frame in zip(states, frames(session()), strict=True):
+    assert len(states) == counts["ticks"] == len(frames(excerpt()))
+    for state, frame in zip(states, frames(excerpt()), strict=True):
         assert list(state.name) == [joint.name for joint in frame.joints]  # type: ignore[attr-defined]
         assert list(state.position) == [joint.position for joint in frame.joints]  # type: ignore[attr-defined]
     arrays = [m.data for m in found["/bentod/emg"]]  # type: ignore[attr-defined]
     assert np.concatenate(arrays).tobytes() == expected_samples().tobytes()
     events = [json.loads(m.data)["text"] for m in found["/bentod/events"]]  # type: ignore[attr-defined]
-    assert events == [entry.text for entry in session() if isinstance(entry, Event)]
+    assert events == [entry.text for entry in excerpt() if isinstance(entry, Event)]
     told = json.loads(found["/bentod/frame"][300].data)  # type: ignore[attr-defined]
-    assert told["joints"][0]["predictions"] == dict(frames(session())[300].joints[0].predictions)
-    about = header(session())
-    assert stamps[0] == round((frames(session())[0].time - about.started + about.started_wall) * 1e9)
+    assert told["joints"][0]["predictions"] == dict(frames(excerpt())[300].joints[0].predictions)
+    about = header(excerpt())
+    assert stamps[0] == round((frames(excerpt())[0].time - about.started + about.started_wall) * 1e9)
 
 
 @pytest.mark.parametrize("kind", ["parquet", "csv", "npz"])
-def test_the_dictionary_explains_every_column(file: Path, tmp_path: Path, kind: str) -> None:
-    rows = exported(file, kind, tmp_path / "out")
-    told = json.loads((tmp_path / "out" / DICTIONARY).read_text(encoding="utf-8"))
+def test_the_dictionary_explains_every_column(whole: Whole, kind: str) -> None:
+    out, rows = whole(kind)
+    told = json.loads((out / DICTIONARY).read_text(encoding="utf-8"))
     assert {name: table["rows"] for name, table in told["tables"].items()} == rows
     columns = {column["name"]: column for column in told["tables"]["ticks"]["columns"]}
     assert list(columns) == list(expected_ticks())
     assert columns["elbow_flexion.velocity_rad_s"]["unit"] == "rad/s"
     assert all(column["meaning"] for column in columns.values())
-    assert told["started_s"] == header(session()).started
+    assert told["started_s"] == header(excerpt()).started
 
 
-def test_parquet_files_carry_units_themselves(file: Path, tmp_path: Path) -> None:
-    exported(file, "parquet", tmp_path / "out", ["ticks"])
-    schema = pq.read_schema(tmp_path / "out" / "ticks.parquet")
+def test_parquet_files_carry_units_themselves(whole: Whole) -> None:
+    schema = pq.read_schema(whole("parquet")[0] / "ticks.parquet")
     assert schema.field("elbow_flexion.position_rad").metadata[b"unit"] == b"rad"
-    assert json.loads(schema.metadata[b"bentod"])["session"] == header(session()).session
+    assert json.loads(schema.metadata[b"bentod"])["session"] == header(excerpt()).session
 
 
 def test_a_table_without_rows_is_there_with_its_columns(tmp_path: Path) -> None:
@@ -219,8 +234,9 @@ def test_what_is_not_installed_is_named_with_the_extra_that_brings_it(
         exported(file, kind, tmp_path / "out")
 
 
-def test_a_long_recording_is_exported_batch_by_batch(tmp_path: Path) -> None:
-    many = ticks(5000)
+def test_a_long_recording_is_exported_batch_by_batch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("bentod.analysis.stream.BATCH", 256)
+    many = ticks(625)  # two batches and a part of one
     exported(record(tmp_path, many), "npz", tmp_path / "out", ["ticks"])
     with np.load(tmp_path / "out" / "ticks.npz") as found:
         assert found["tick"].tolist() == [frame.tick for frame in many]
@@ -229,10 +245,10 @@ def test_a_long_recording_is_exported_batch_by_batch(tmp_path: Path) -> None:
 
 @pytest.mark.real_time
 def test_several_processes_write_what_one_does(
-    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    file: Path, whole: Whole, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    one = exported(file, "parquet", tmp_path / "one")
-    monkeypatch.setattr(parquet, "SLICE_S", 40.0)
-    assert exported(file, "parquet", tmp_path / "several") == one
-    whole, sliced = (pq.read_table(tmp_path / name / "ticks.parquet") for name in ("one", "several"))
-    assert sliced.equals(whole, check_metadata=True)
+    one, rows = whole("parquet")
+    monkeypatch.setattr(parquet, "SLICE_S", 10.0)
+    assert exported(file, "parquet", tmp_path / "several") == rows
+    once, sliced = (pq.read_table(folder / "ticks.parquet") for folder in (one, tmp_path / "several"))
+    assert sliced.equals(once, check_metadata=True)

@@ -21,7 +21,7 @@ from bentod.errors import BadRequest
 from bentod.frames import Event, Trial
 from bentod.record.reader import Recording
 from bentod.record.session import Entry, Header
-from tests.analysis.helpers import CONDITIONS, frames, header, record, session, ticks
+from tests.analysis.helpers import CONDITIONS, frames, header, record, recorded, session, ticks
 
 
 class Page(HTMLParser):
@@ -77,7 +77,7 @@ def made(folder: Path, entries: Sequence[Entry], about: Header | None = None) ->
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return record(tmp_path_factory.mktemp("report"), session())
+    return recorded(tmp_path_factory.getbasetemp())
 
 
 @pytest.fixture(scope="module")

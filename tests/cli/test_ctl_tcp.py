@@ -73,6 +73,7 @@ def test_without_a_token_or_an_authority_ctl_says_what_is_missing(port: int, fil
     assert (result.exit_code, "open to others" in result.stderr) == (2, True)
 
 
-def test_watch_says_what_is_missing_too(port: int) -> None:
+def test_watch_says_what_is_missing_too(port: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("bentod.cli.watch.PATIENCE_S", 0.0)  # it asks once, and does not wait for a daemon
     result = CliRunner().invoke(watch, ["--socket", f"tls://127.0.0.1:{port}"])
     assert (result.exit_code, "cannot prove who it is" in result.stderr) == (3, True)

@@ -3,7 +3,7 @@
 import json
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,8 +12,7 @@ from click.testing import CliRunner, Result
 
 from bentod.cli.recording import recording
 from bentod.record.reader import Recording
-from bentod.record.session import Entry
-from tests.analysis.helpers import frames, header, record, session, ticks
+from tests.analysis.helpers import excerpt, frames, header, record, recorded, session, ticks
 
 Run = Callable[..., Result]
 
@@ -24,7 +23,12 @@ def run(*arguments: object) -> Result:
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return record(tmp_path_factory.mktemp("recordings"), session())
+    return recorded(tmp_path_factory.getbasetemp())
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return record(tmp_path_factory.mktemp("short"), excerpt())
 
 
 def refused(result: Result) -> str:
@@ -36,11 +40,11 @@ def refused(result: Result) -> str:
     return line
 
 
-def cut(folder: Path, entries: Sequence[Entry]) -> Path:
-    """A recording whose last third is gone."""
-    path = record(folder, entries)
-    with path.open("r+b") as file:
-        file.truncate(path.stat().st_size * 2 // 3)
+def cut(folder: Path, whole: Path) -> Path:
+    """A copy of a recording whose last third is gone."""
+    path = folder / whole.name
+    content = whole.read_bytes()
+    path.write_bytes(content[: len(content) * 2 // 3])
     return path
 
 
@@ -67,14 +71,14 @@ def test_info_of_several_files_as_json(file: Path, tmp_path: Path) -> None:
     assert second["header"]["session"] == "other"
 
 
-def test_info_says_what_is_missing_from_a_file_that_was_cut_off(tmp_path: Path) -> None:
-    text = run("info", cut(tmp_path, session())).output
+def test_info_says_what_is_missing_from_a_file_that_was_cut_off(file: Path, tmp_path: Path) -> None:
+    text = run("info", cut(tmp_path, file)).output
     assert "state    not complete" in text
     assert "is cut off" in text
 
 
-def test_recover_mends_and_says_what_was_saved(tmp_path: Path) -> None:
-    path = cut(tmp_path, session())
+def test_recover_mends_and_says_what_was_saved(short: Path, tmp_path: Path) -> None:
+    path = cut(tmp_path, short)
     text = run("recover", path).output
     assert "is mended" in text
     assert path.with_name(f"{path.name}.cut").exists()
@@ -82,8 +86,8 @@ def test_recover_mends_and_says_what_was_saved(tmp_path: Path) -> None:
     assert "nothing to mend" in run("recover", path).output
 
 
-def test_recover_can_leave_the_file_alone_and_mend_a_copy(tmp_path: Path) -> None:
-    path = cut(tmp_path, session())
+def test_recover_can_leave_the_file_alone_and_mend_a_copy(short: Path, tmp_path: Path) -> None:
+    path = cut(tmp_path, short)
     before = path.read_bytes()
     out = tmp_path / "mended.mcap"
     text = run("recover", path, "-o", out).output
@@ -126,11 +130,11 @@ def test_export_says_what_it_wrote(file: Path, tmp_path: Path) -> None:
     assert "did you mean 'emg'" in refused(run("export", file, "--format", "csv", "--topics", "eng"))
 
 
-def test_plot_and_report_write_files(file: Path, tmp_path: Path) -> None:
+def test_plot_and_report_write_files(file: Path, short: Path, tmp_path: Path) -> None:
     assert (
         run("plot", file, "-o", tmp_path / "a.svg", "--what", "emg", "--from", 10, "--to", 20).exit_code == 0
     )
-    assert run("report", file, "-o", tmp_path / "a.html").exit_code == 0
+    assert run("report", short, "-o", tmp_path / "a.html").exit_code == 0
     assert (tmp_path / "a.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     assert "--to 5 must be after --from 9" in refused(
         run("plot", file, "-o", tmp_path / "b.svg", "--from", 9, "--to", 5)

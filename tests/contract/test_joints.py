@@ -194,7 +194,7 @@ async def test_torque_on_forgets_the_goals_of_the_past(rig: Rig) -> None:
 async def test_a_velocity_moves_a_joint_at_about_that_velocity(rig: Rig, joint: int, velocity: float) -> None:
     await rig.torque_on()
     rig.want({joint: Position(0.2, 1.0)})
-    await rig.run(3.0)
+    await rig.run(1.2)
     rig.want({joint: Velocity(velocity)})
     state = await rig.run(0.8)
     assert speed_over(rig.track(joint)) == pytest.approx(velocity, rel=0.1)
@@ -208,11 +208,11 @@ async def test_the_smallest_velocity_creeps(rig: Rig) -> None:
     assert 0 <= rig.track(GRIPPER)[-1] - 0.5 < radians(1.5)
 
 
-@pytest.mark.parametrize("velocity", [0.5, -0.5])
+@pytest.mark.parametrize("velocity", [0.8, -0.8])
 async def test_a_velocity_ends_at_the_limit(rig: Rig, velocity: float) -> None:
     await rig.torque_on()
     rig.want({joint: Velocity(velocity) for joint in range(5)})
-    state = await rig.run(9.0)
+    state = await rig.run(5.5)
     for spec, joint in zip(JOINTS, state.joints, strict=True):
         limit = spec.maximum if velocity > 0 else spec.minimum
         assert joint.position == pytest.approx(limit, abs=radians(1.5))

@@ -119,3 +119,59 @@ def _truncated_lambda_return(
         n_step = rewards + gamma**n * float(ws[t + n - 1] @ stream.phis[t + n])
         total += (lam ** (n - 1) if n == longest else (1 - lam) * lam ** (n - 1)) * n_step
     return total
+
+
+@dataclass(frozen=True)
+class Journey:
+    """φ_0 … φ_T, and for each transition R_{t+1} (NaN: not observed), γ_{t+1} and λ_{t+1}; one α."""
+
+    phis: Sequence[Vector]
+    rewards: Sequence[float]
+    gammas: Sequence[float]
+    lams: Sequence[float]
+    alpha: float
+
+    def transitions(self) -> Iterator[tuple[Vector, Vector, float, float, float]]:
+        return zip(self.phis, self.phis[1:], self.rewards, self.gammas, self.lams, strict=False)
+
+
+@dataclass(frozen=True)
+class Travelled:
+    """What a learner has at φ_0 … φ_T: w and z, the trace without α, and δ of Algorithm 1 on the way."""
+
+    ws: Sequence[Vector]
+    zs: Sequence[Vector]
+    deltas: Sequence[float]
+
+
+def accumulating_td(journey: Journey, w: Vector) -> Travelled:
+    """The lines (2.2)–(2.4), with γ and λ of the state; δ counts as 0 where R was not observed."""
+    z = journey.phis[0].copy()
+    ws, zs, deltas = [w.copy()], [z], [np.nan]
+    for phi, phi_next, reward, gamma, lam in journey.transitions():
+        delta = reward + gamma * (w @ phi_next) - w @ phi
+        w = w + journey.alpha * (delta if np.isfinite(reward) else 0) * z
+        z = gamma * lam * z + phi_next
+        ws.append(w)
+        zs.append(z)
+        deltas.append(float(delta) if np.isfinite(reward) else np.nan)
+    return Travelled(ws, zs, deltas)
+
+
+def true_online(journey: Journey, w: Vector) -> Travelled:
+    """Algorithm 1, with γ and λ of the state; where R was not observed δ counts as 0, Δv does not."""
+    alpha = journey.alpha
+    e = alpha * journey.phis[0]
+    v_old = w @ journey.phis[0]
+    ws, zs, deltas = [w.copy()], [e / alpha], [np.nan]
+    for phi, phi_next, reward, gamma, lam in journey.transitions():
+        change = w @ phi - v_old
+        v_old = w @ phi_next
+        delta = reward + gamma * (w @ phi_next) - w @ phi
+        w = w + (delta if np.isfinite(reward) else 0) * e + change * (e - alpha * phi)
+        e = gamma * lam * e
+        e = e + alpha * (1 - e @ phi_next) * phi_next
+        ws.append(w)
+        zs.append(e / alpha)
+        deltas.append(float(delta) if np.isfinite(reward) else np.nan)
+    return Travelled(ws, zs, deltas)

@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bentod.learn.tiles import TileCoder
@@ -142,8 +142,88 @@ def test_the_hash_spreads_tiles_evenly_over_memory() -> None:
 
 
 @pytest.mark.parametrize(
-    "broken", [(0, 1, 1.0, 1), (1, 0, 1.0, 1), (1, 1, 0.0, 1), (1, 1, 2.0, 1), (1, 1, 1.0, 0)]
+    "broken", [(0, 1, 1.0, 1), (1, 0, 1.0, 1), (1, 1, 0.0, 1), (1, 1, 2.0, 1), (1, 1, 1.0, -1)]
 )
 def test_an_impossible_tiling_is_refused(broken: tuple[int, int, float, int]) -> None:
     with pytest.raises(ValueError, match="at least 1 dimension"):
         TileCoder(*broken)
+
+
+@pytest.mark.parametrize(("dimensions", "features"), [(1, 51), (2, 321)])
+def test_exact_tilings_have_as_many_features_as_those_of_the_thesis(dimensions: int, features: int) -> None:
+    wide, narrow = (TileCoder(dimensions, n, width, memory=0) for n, width in ((3, 0.5), (6, 0.17)))
+    assert wide.size + narrow.size == features
+
+
+shapes = st.integers(1, 3).flatmap(
+    lambda dimensions: st.tuples(
+        st.just(dimensions),
+        st.integers(1, 20),
+        st.lists(
+            st.sampled_from([1.0, 0.9, 0.5, 0.3, 1 / 3, 0.17, 0.1]), min_size=dimensions, max_size=dimensions
+        ),
+        st.lists(st.lists(anywhere, min_size=dimensions, max_size=dimensions), min_size=2, max_size=2),
+    )
+)
+
+
+@settings(max_examples=50)
+@given(shapes)
+def test_an_exact_tile_is_known_by_its_tiling_and_its_place(
+    shape: tuple[int, int, list[float], list[list[float]]],
+) -> None:
+    """Two points share a feature of a tiling if, and only if, they lie between the same edges of it."""
+    dimensions, tilings, widths, points = shape
+    coder = TileCoder(dimensions, tilings, widths, memory=0)
+    one, other = (coder.encode(point) for point in points)
+    per_tiling = coder.size // tilings
+    for found in (one, other):
+        assert (found // per_tiling).tolist() == list(range(tilings))
+    for i in range(tilings):
+        same = all(
+            place(a, i, d, tilings, width) == place(b, i, d, tilings, width)
+            for a, b, d, width in zip(*points, displacements(dimensions, tilings), widths, strict=True)
+        )
+        assert (one[i] == other[i]) == same
+
+
+def place(x: float, i: int, displacement: int, tilings: int, width: float) -> int:
+    """Of the tile of tiling i that x lies in, along one dimension."""
+    last = math.ceil(tilings / width - 1e-9) - 1
+    finest = min(int(min(max(x, 0.0), 1.0) * (tilings / width)), last)
+    return (finest + i * displacement % tilings) // tilings
+
+
+@pytest.mark.parametrize("memory", [0, 2048])
+@settings(max_examples=40)
+@given(st.floats(0, 1), st.floats(0, 1))
+def test_neighbours_share_all_tiles_but_those_whose_edge_is_between_them(
+    memory: int, x: float, y: float
+) -> None:
+    coder = TileCoder(2, tilings=16, memory=memory)
+    near = [min(x + 1 / 32, 1.0), y]
+    assert len(np.intersect1d(coder.encode([x, y]), coder.encode(near))) >= len(coder.encode([x, y])) - 1
+
+
+def test_a_dimension_of_narrower_tiles_is_told_apart_more_finely() -> None:
+    coder = TileCoder(2, tilings=10, width=[1.0, 0.1], memory=0)
+    assert coder.size == 10 * 2 * 11
+    assert shared(coder, [0.55, 0.55], [0.65, 0.55]) == 9
+    assert shared(coder, [0.55, 0.55], [0.55, 0.65]) == 0
+
+
+def test_several_points_are_encoded_as_each_of_them_alone() -> None:
+    coder = TileCoder(3, tilings=12, width=[0.3, 1.0, 0.5])
+    points = np.random.default_rng(5).random((7, 3))
+    for found, point in zip(coder.indices(points), points.tolist(), strict=True):
+        assert np.unique(found).tolist() == coder.encode(point).tolist()
+
+
+def test_widths_that_do_not_fit_the_dimensions_are_refused() -> None:
+    with pytest.raises(ValueError, match="3 dimensions need as many widths of a tile, not 2"):
+        TileCoder(3, width=[0.5, 0.5])
+
+
+def test_more_exact_tiles_than_any_memory_holds_are_refused() -> None:
+    with pytest.raises(ValueError, match="more than 16777216 features: give them memory"):
+        TileCoder(9, tilings=8, width=0.1, memory=0)

@@ -21,18 +21,23 @@ from bentod.replay.comparison import compared
 from bentod.replay.player import Span
 from bentod.replay.relearn import Relearner, Thought, ticks
 from bentod.replay.stage import Stage
-from sim.clock import VirtualClock
+from sim.clock import VirtualClock, run
 from tests.rig import PLAIN, number, running, sim_config, table
 
 
-@pytest.fixture
-async def folder(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Ten seconds of the simulated arm, recorded."""
-    config = sim_config(PLAIN).model_copy(update={"record": Record(folder=tmp_path / "recordings")})
-    async with running(config, tmp_path / "live.sock") as arm:
+    place = tmp_path_factory.mktemp("stage")
+    run(_ten_seconds(place))
+    return place / "recordings"
+
+
+async def _ten_seconds(place: Path) -> None:
+    config = sim_config(PLAIN).model_copy(update={"record": Record(folder=place / "recordings")})
+    async with running(config, place / "live.sock") as arm:
         await arm.call("assist_set", k=0.05)
         await asyncio.sleep(10)
-    return tmp_path / "recordings"
 
 
 @asynccontextmanager

@@ -1,0 +1,121 @@
+"""What was learned, from one session to the next: restored at the start, kept now and then and at the end."""
+
+import logging
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bentod.config import Config
+from bentod.contracts import Clock
+from bentod.frames import Value
+from bentod.learn.horde import Horde
+from bentod.learn.keeper import Keeper, resume
+from bentod.learn.predictor import Predictor
+from bentod.learn.snapshot import taken
+from bentod.mind import Mind
+from bentod.record.disk import default_folder
+
+_log = logging.getLogger(__name__)
+
+MOST_CARRIED = 32 << 20
+"""Bytes of a snapshot that a recording carries, so that it can be replayed as it was live."""
+
+
+class Learned:
+    """Keeps what a mind has learned. `chore` is for the time that is left after a tick."""
+
+    def __init__(self, mind: Mind, predictor: Predictor, keeper: Keeper, arm: str, clock: Clock) -> None:
+        self._mind = mind
+        self._predictor = predictor
+        self._keeper = keeper
+        self._arm = arm
+        self._clock = clock
+        self._copying: _Copy | None = None
+
+    def chore(self, now: float) -> None:
+        """Copy one part of what is to be kept, if something is: a unit a tick, each as of one moment."""
+        for sentence in self._keeper.take_events():
+            _log.warning("%s", sentence)
+        if self._mind.broken or not (self._copying or self._keeper.due(now)):
+            return
+        if self._copying is None or self._copying.horde is not self._predictor.horde:
+            self._copying = _Copy(self._predictor.horde)
+        if not self._copying.go_on():
+            copied, self._copying = self._copying, None
+            self._keeper.put(taken(copied, self._arm, self._clock.wall(), copied.horde.answers.tick))
+
+    def close(self) -> None:
+        """Keep what is known now, unless learning broke."""
+        if self._mind.broken:
+            self._keeper.close()
+            return
+        tick = self._predictor.horde.answers.tick
+        self._keeper.close(taken(self._predictor, self._arm, self._clock.wall(), tick))
+
+
+class _Copy:
+    """The memory of a horde, copied part by part."""
+
+    def __init__(self, horde: Horde) -> None:
+        self.horde = horde
+        self._parts: Iterator[Mapping[str, NDArray[np.float64]]] = horde.memories()
+        self._arrays: dict[str, NDArray[np.float64]] = {}
+
+    def go_on(self) -> bool:
+        """Copy one part more; whether there was one."""
+        part = next(self._parts, None)
+        self._arrays |= part or {}
+        return part is not None
+
+    def spec(self) -> Mapping[str, Value]:
+        """Of the horde."""
+        return self.horde.spec()
+
+    def memory(self) -> dict[str, NDArray[np.float64]]:
+        """What has been copied."""
+        return self._arrays
+
+    def recall(self, spec: Mapping[str, Value], memory: Mapping[str, NDArray[np.float64]]) -> list[str]:
+        """A copy is not put back."""
+        raise NotImplementedError
+
+
+@contextmanager
+def learned(
+    config: Config, mind: Mind, name: str, clock: Clock
+) -> Iterator[tuple[bytes, Callable[[float], None]]]:
+    """While entered, `mind` knows what it learned before, and what it learns is kept, if the config says so.
+
+    `name`: of the config. Gives the snapshot that it goes on with, as a recording can carry it (empty if
+    there is none, or it is too large), and what to do after each tick (given monotonic s).
+    """
+    predictor, table = mind.predictor, config.learn.snapshot if config.learn else None
+    if predictor is None or table is None:
+        yield b"", lambda _: None
+        return
+    path = table.path or default_path(name, os.environ)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    carried = _carried(path) if resume(path, predictor) else b""
+    with Keeper(path, table.every_s) as keeper:
+        kept = Learned(mind, predictor, keeper, config.arm, clock)
+        try:
+            yield carried, kept.chore
+        finally:
+            kept.close()
+
+
+def default_path(name: str, environment: Mapping[str, str]) -> Path:
+    """Where the learners of the config `name` are kept, if it does not say."""
+    return default_folder(environment).with_name("learned") / f"{Path(name).stem or 'bentod'}.npz"
+
+
+def _carried(path: Path) -> bytes:
+    found = path if path.exists() else path.with_name(f"{path.name}.1")
+    if found.stat().st_size > MOST_CARRIED:
+        _log.warning("The snapshot %s is too large for a recording, whose replay will need it.", found)
+        return b""
+    return found.read_bytes()

@@ -1,0 +1,104 @@
+"""What a study is, and what it finds: claims that hold or do not, the settings, and pictures as data."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from bentod.contracts import Vector
+
+RATE_HZ = 30
+"""Time steps a second (thesis 4.5.1)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """Something that a figure or a sentence of the thesis says, as a number with a bound."""
+
+    source: str  # e.g. "Fig. 4.4"
+    text: str
+    value: float
+    relation: Literal["at most", "at least"]
+    bound: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the value keeps its bound; what is not a number does not."""
+        return self.value <= self.bound if self.relation == "at most" else self.value >= self.bound
+
+    @property
+    def row(self) -> tuple[str, str, str, str, str]:
+        """Source, claim, value, bound and whether it holds, as texts."""
+        return (
+            self.source,
+            self.text,
+            f"{self.value:.3g}",
+            f"{self.relation} {self.bound:g}",
+            "yes" if self.holds else "NO",
+        )
+
+
+CLAIM_HEAD = ("source", "claim", "value", "bound", "holds")
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """How the thesis set something, and how this study does."""
+
+    name: str
+    thesis: str
+    ours: str
+
+
+SETTING_HEAD = ("setting", "thesis", "here")
+
+Role = Literal["target", "prediction", "ideal"]
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """Curves over time: the target signal, a prediction of it, and what a perfect one would have been."""
+
+    title: str
+    curves: Mapping[Role, Vector]  # shape (steps,) each
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A figure with its words, yet to be drawn."""
+
+    name: str
+    title: str
+    caption: str
+    time: Vector  # shape (steps,)
+    axis: str  # what time is counted in
+    panels: tuple[Panel, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """What came out of one run of a study."""
+
+    settings: tuple[Setting, ...]
+    claims: tuple[Claim, ...]
+    pictures: tuple[Picture, ...]
+    comparison: tuple[Sequence[str], ...]  # a table; its first row is the head
+    series: Mapping[str, Vector]  # every step of every signal by column name, shape (steps,) each
+    simulated: str
+    """What was simulated, and what about it is a guess."""
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def hold(self) -> bool:
+        """Whether every claim does."""
+        return all(claim.holds for claim in self.claims)
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """An experiment that can be run again: equal seeds and minutes give equal findings."""
+
+    title: str
+    about: str  # one line
+    run: Callable[[int, float], Findings]  # of a seed and minutes of simulated time
+    minutes: float  # as in the thesis, or what it takes
+    least_minutes: float
