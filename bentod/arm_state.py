@@ -163,7 +163,7 @@ class ArmState:
         if anew := self.mind.begun_anew():
             data: dict[str, Value] = {"began_anew": list[Value](anew)}
             self.journal.note_seldom(
-                "learn", "began_anew", f"diverged, and began anew: {shortened(anew)}", data
+                "diverged", "began_anew", f"diverged, and began anew: {shortened(anew)}", data
             )
 
     def driver(self, group: Group) -> tuple[str, float]:
@@ -194,7 +194,7 @@ class ArmState:
     def _switched(self, group: Group, who: str) -> None:
         name = self.specs[group.active].name
         self.clients.drop_group(group.name)
-        self.mind.toggled(self.now)
+        self.mind.toggled(group.name, self.now)
         self.journal.note(
             "group", f"{who} switched {group.name} to {name}", {"group": group.name, "active": name}
         )

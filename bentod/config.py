@@ -59,6 +59,8 @@ class Config(Table):
     emg: Emg | None = None
     learn: Learn | None = None
     assist: Assist | None = None
+    assists: Annotated[tuple[Assist, ...], Field(max_length=15)] = ()
+    """For further groups."""
 
     @model_validator(mode="after")
     def _names_exist(self) -> Self:
@@ -66,6 +68,11 @@ class Config(Table):
         if problems:
             raise ValueError("\n".join(problems))
         return self
+
+    def helped(self) -> tuple[tuple[str, Assist], ...]:
+        """The assists, each with its place in the file."""
+        first = [("assist", self.assist)] if self.assist else []
+        return (*first, *((f"assists.{i}", assist) for i, assist in enumerate(self.assists)))
 
     def shares(self) -> tuple[Share, ...]:
         """The drivers that have joints, the default first."""
@@ -82,6 +89,7 @@ def _duplicates(config: Config) -> list[str]:
         "joints": [joint.name for joint in config.joints],
         "groups": [group.name for group in config.groups],
         "emg.sites": [site.name for site in config.emg.sites] if config.emg else [],
+        "assists": [assist.group for _, assist in config.helped()],
     }
     return [
         f"{where}: the name '{name}' stands {names.count(name)} times"
@@ -119,8 +127,8 @@ def _dangling(config: Config) -> list[str]:
             uses += [(f"emg.pairs.{i}", name, sites, "site") for name in named]
     if config.learn:
         uses += [("learn", name, joints, "joint") for name in (*config.learn.joints, *config.learn.predict)]
-    if config.assist:
-        uses.append(("assist.group", config.assist.group, groups, "group"))
+    for where, assist in config.helped():
+        uses.append((f"{where}.group", assist.group, groups, "group"))
     found = [
         f"{where}: there is no {kind} '{name}'" for where, name, known, kind in uses if name not in known
     ]
@@ -139,11 +147,13 @@ def _too_slow_to_stop(config: Config) -> list[str]:
 
 
 def _assist_without_learning(config: Config) -> list[str]:
-    if config.assist is None or config.assist.mode == "off":
-        return []
-    if config.learn is None:
-        return ["assist: needs a [learn] table, whose predictions it follows"]
-    if config.assist.timescale not in config.learn.timescales:
-        known = ", ".join(f"{t:g}" for t in config.learn.timescales)
-        return [f"assist.timescale = {config.assist.timescale:g} is not among learn.timescales ({known})"]
-    return []
+    helping = [(where, assist) for where, assist in config.helped() if assist.mode != "off"]
+    if helping and config.learn is None:
+        return [f"{where}: needs a [learn] table, whose predictions it follows" for where, _ in helping]
+    timescales = config.learn.timescales if config.learn else ()
+    known = ", ".join(f"{t:g}" for t in timescales)
+    return [
+        f"{where}.timescale = {assist.timescale:g} is not among learn.timescales ({known})"
+        for where, assist in helping
+        if assist.timescale not in timescales
+    ]

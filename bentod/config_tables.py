@@ -153,14 +153,16 @@ class Emg(Table):
 
 
 class Assist(Table):
-    """Direct Predictive Collaborative Control (thesis 5.3)."""
+    """What helps with the joints of a group: a mode of `bentod.registry.ASSISTS`, or off."""
 
-    mode: Literal["off", "dpcc"] = "dpcc"
+    mode: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_-]{0,31}$")] = "dpcc"
     group: Name
     timescale: Annotated[float, Field(gt=1, le=10_000)] = 20.0
     k: Annotated[float, Field(gt=0, lt=1)] = 0.025
     velocity_limit_rad_s: Annotated[float, Field(gt=0, le=10)] = 10.0
     manual_after_toggle_s: Annotated[float, Field(ge=0, le=10)] = 0.5
+    options: Mapping[str, Annotated[float, Field(ge=-1e6, le=1e6)]] = {}
+    """The mode's own parameters."""
 
 
 HIGHEST_PRIORITY = 49

@@ -170,10 +170,10 @@ class Desk(ArmState):
         self.muscles.paused = on
         self.journal.note("emg", f"EMG {'paused' if on else 'released'}")
 
-    def change_assist(self, changes: Mapping[str, float | str]) -> None:
-        """Change the assist's parameters. Raises as `Mind.change` does."""
-        self.mind.change(changes)
-        self.journal.note("assist", "assist changed", self.mind.describe())
+    def change_assist(self, changes: Mapping[str, Value], group: str | None = None) -> None:
+        """Change the settings of the assist of a group (None: the first). Raises as `Mind.change` does."""
+        group = self.mind.change(changes, group)
+        self.journal.note("assist", f"assist of {group} changed", self.mind.describe(group))
 
     def describe_gvfs(self) -> Value:
         """Every general value function as clients see it. Raises Refused: nothing learns."""

@@ -183,6 +183,7 @@ class GroupFrame:
     active: str
     effort: float  # -1..1, what the operator asks of the active joint
     operator: str  # who drives the group, e.g. "emg" or "client:joystick"; empty when nobody does
+    together: bool = False  # all joints at once are selected, and an assist moves them as the operator pushes
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,6 +205,7 @@ class AssistFrame:
     engaged: bool
     reason: str
     attended: str = ""  # the joint of its group that the operator is moving, by name; empty when none is
+    group: str = ""  # which it helps with
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,6 +265,7 @@ class Frame:
     trial: Trial | None = None  # the one that is running
     whole: bool = True  # False: the tick broke, and tells of its joints what was last known
     learn: LearnFrame = LearnFrame()
+    more_assists: tuple[AssistFrame, ...] = ()  # those of other groups, if several are helped with
 
 
 @dataclass(frozen=True, slots=True)
@@ -282,6 +285,6 @@ class Event:
     """Something that happened once."""
 
     time: float  # monotonic s
-    kind: str  # "mode", "fault", "group", "goal", "emg", "servo", "client", "late"
+    kind: str  # "mode", "fault", "group", "goal", "emg", "servo", "client", "late", "learn", "diverged"
     text: str  # a sentence
     data: Mapping[str, Value]

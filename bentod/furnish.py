@@ -36,7 +36,7 @@ def mind_of(config: Config) -> Mind:
     specs = [joint.spec() for joint in config.joints]
     sites = [site.name for site in config.emg.sites] if config.emg else []
     groups = Groups(specs, {group.name: group.joints for group in config.groups})
-    return Mind(specs, config.rate_hz, groups, config.learn, config.assist, sites)
+    return Mind(specs, config.rate_hz, groups, config.learn, [assist for _, assist in config.helped()], sites)
 
 
 def about(config: Config) -> About:

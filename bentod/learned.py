@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bentod.config import Config
+from bentod.config_learn import SnapshotTable
 from bentod.contracts import Clock
 from bentod.frames import Value
 from bentod.learn.horde import Horde
@@ -42,11 +43,11 @@ class Learned:
             _log.warning("%s", sentence)
         if self._mind.broken or not (self._copying or self._keeper.due(now)):
             return
-        if self._copying is None or self._copying.horde is not self._predictor.horde:
-            self._copying = _Copy(self._predictor.horde)
-        if not self._copying.go_on():
-            copied, self._copying = self._copying, None
-            self._keeper.put(taken(copied, self._arm, self._clock.wall(), copied.horde.answers.tick))
+        try:
+            self._copy()
+        except MemoryError:
+            self._copying = None
+            _log.warning("There is no memory for a copy of what was learned; the next one is tried in time.")
 
     def close(self) -> None:
         """Keep what is known now, unless learning broke."""
@@ -55,6 +56,14 @@ class Learned:
             return
         tick = self._predictor.horde.answers.tick
         self._keeper.close(taken(self._predictor, self._arm, self._clock.wall(), tick))
+
+    def _copy(self) -> None:
+        """One part more, and when there is none any more have all of them written."""
+        if self._copying is None or self._copying.horde is not self._predictor.horde:
+            self._copying = _Copy(self._predictor.horde)
+        if not self._copying.go_on():
+            copied, self._copying = self._copying, None
+            self._keeper.put(taken(copied, self._arm, self._clock.wall(), copied.horde.answers.tick))
 
 
 class _Copy:
@@ -90,16 +99,20 @@ def learned(
 ) -> Iterator[tuple[bytes, Callable[[float], None]]]:
     """While entered, `mind` knows what it learned before, and what it learns is kept, if the config says so.
 
-    `name`: of the config. Gives the snapshot that it goes on with, as a recording can carry it (empty if
-    there is none, or it is too large), and what to do after each tick (given monotonic s).
+    `name`: of the config; of one without a name, nothing is kept but where it says. Gives the snapshot that
+    it goes on with, as a recording can carry it (empty if there is none, or it is too large), and what to do
+    after each tick (given monotonic s).
     """
     predictor, table = mind.predictor, config.learn.snapshot if config.learn else None
-    if predictor is None or table is None:
+    if predictor:
+        _log.info("%d GVFs learn with the kernel %s", len(predictor.horde.questions), predictor.kernel)
+    path = snapshot_path(table, name, os.environ) if table else None
+    if predictor is None or table is None or path is None:
         yield b"", lambda _: None
         return
-    path = table.path or default_path(name, os.environ)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    carried = _carried(path) if resume(path, predictor) else b""
+    goes_on = resume(path, predictor)
+    _log.info("Learning goes on from %s" if goes_on else "Nothing is known yet; learning is kept in %s", path)
+    carried = _carried(path) if goes_on else b""
     with Keeper(path, table.every_s) as keeper:
         kept = Learned(mind, predictor, keeper, config.arm, clock)
         try:
@@ -108,9 +121,11 @@ def learned(
             kept.close()
 
 
-def default_path(name: str, environment: Mapping[str, str]) -> Path:
-    """Where the learners of the config `name` are kept, if it does not say."""
-    return default_folder(environment).with_name("learned") / f"{Path(name).stem or 'bentod'}.npz"
+def snapshot_path(table: SnapshotTable, name: str, environment: Mapping[str, str]) -> Path | None:
+    """Where the learners of the config `name` are kept; None: nowhere, as neither has a name."""
+    if table.path or not name:
+        return table.path
+    return default_folder(environment).with_name("learned") / f"{Path(name).stem}.snapshot"
 
 
 def _carried(path: Path) -> bytes:

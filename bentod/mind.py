@@ -3,22 +3,35 @@
 import logging
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 
 from pydantic import ValidationError
 
-from bentod.assist.dpcc import Assistance, Dpcc, DpccSettings
+from bentod import registry
+from bentod.assist.help import OFF, Help
 from bentod.config_errors import explain
 from bentod.config_learn import Gvf, Learn
 from bentod.config_tables import Assist
+from bentod.contracts_assist import AssistSettings, Situation
 from bentod.control.groups import Groups
-from bentod.errors import BadRequest, Refused
-from bentod.frames import AssistFrame, JointSpec, LearnFrame, State, Value
+from bentod.errors import BadRequest, ConfigError, Refused
+from bentod.frames import AssistFrame, Command, GroupFrame, JointSpec, LearnFrame, Value, Wishes
 from bentod.learn.horde import HasTime, unhurried
 from bentod.learn.predictor import Body, Predictor, position_at
 from bentod.learn.signals import Percept
+from bentod.outlook import Expectation
 
 _log = logging.getLogger(__name__)
+
+NOBODY = AssistFrame(OFF, False, "The config has no [assist] table.")
+
+
+@dataclass(frozen=True, slots=True)
+class Helped:
+    """What all assists ask for in one tick, and what is to be told of each."""
+
+    wishes: Wishes
+    frames: tuple[AssistFrame, ...]  # one at least
 
 
 class Mind:
@@ -35,7 +48,7 @@ class Mind:
         rate_hz: float,
         groups: Groups,
         learn: Learn | None = None,
-        assist: Assist | None = None,
+        assists: Sequence[Assist] = (),
         sites: Sequence[str] = (),
     ) -> None:
         """`sites`: names of the muscle signals. Raises ConfigError: a question is not one."""
@@ -46,8 +59,9 @@ class Mind:
         )
         self._predictor = Predictor(body, learn) if learn else None
         self._timescales = learn.timescales if learn and learn.joints else ()
-        self._group = assist.group if assist else ""
-        self._dpcc = Dpcc(specs, rate_hz, _settings(assist, len(specs))) if assist else None
+        self._outlook = Expectation(self._predictor, self._names, self._timescales)
+        self._helps = tuple(self._help(specs, rate_hz, table) for table in assists)
+        self._rate_hz = rate_hz
         self._broken = ""
         self.budget = learn.budget / rate_hz if learn else 0.0
         """s from a tick's deadline, after which nothing is to be learned in it any more."""
@@ -82,13 +96,18 @@ class Mind:
         return self._predictor.shed if self._predictor else 0
 
     def predict(self, percept: Percept, has_time: HasTime = unhurried) -> None:
-        """Begin a tick: learn and predict what the assist follows."""
+        """Begin a tick: learn and predict what the assists follow."""
+        followed = [
+            position_at(self._names[joint], timescale)
+            for help_ in self._helps
+            for timescale in help_.follows(self._timescales)
+            for joint in self.groups.group(help_.group).joints
+        ]
 
         def see(predictor: Predictor) -> None:
             predictor.see(percept)
-            if self._dpcc:
-                followed = self._dpcc.settings.timescale
-                predictor.step(has_time, [position_at(name, followed) for name in self._names])
+            if followed:
+                predictor.step(has_time, followed)
 
         self._try(see)
 
@@ -96,34 +115,42 @@ class Mind:
         """Learn and predict the rest, from the reading that was last predicted from."""
         self._try(lambda predictor: predictor.step(has_time))
 
-    def assist(self, state: State, moving: Collection[int]) -> Assistance:
+    def assist(self, percept: Percept, moving: Collection[int]) -> Helped:
         """What to ask of unattended joints while the operator moves the joints `moving`."""
-        if self._dpcc is None:
-            return Assistance({}, AssistFrame("off", False, "The config has no [assist] table."))
-        group = self.groups.group(self._group)
-        attended = [joint for joint in (group.active, *group.joints) if joint in moving]
-        return self.assist_beside(state, attended[0] if attended else None)
+        attended: dict[str, int | None] = {}
+        for group in self.groups:
+            moved = [joint for joint in (group.active, *group.joints) if joint in moving]
+            attended[group.name] = moved[0] if moved else None
+        return self.assist_beside(percept, attended)
 
-    def assist_beside(self, state: State, attended: int | None) -> Assistance:
-        """What to ask of the other joints of the assist's group while the operator moves `attended`."""
-        if self._dpcc is None:
-            return Assistance({}, AssistFrame("off", False, "The config has no [assist] table."))
-        name = "" if attended is None else self._names[attended]
-        if self._broken:
-            return Assistance({}, AssistFrame("off", False, self._broken, name))
-        expected = self._expected(self._dpcc.settings.timescale)
-        positions = [joint.position for joint in state.joints]
-        group = self.groups.group(self._group).joints
-        helped = self._dpcc.wish(state.time, attended, group, positions, expected)
-        return replace(helped, frame=replace(helped.frame, attended=name))
+    def assist_beside(self, percept: Percept, attended: Mapping[str, int | None]) -> Helped:
+        """What to ask of the other joints while the operator moves `attended`, by group."""
+        told = {group.name: group for group in percept.groups}
+        wishes: dict[int, Command] = {}
+        frames: list[AssistFrame] = []
+        for help_ in self._helps:
+            name = help_.group
+            situation = self._situation(percept, told.get(name), name, attended.get(name))
+            asked, frame = help_.wish(situation, self._broken)
+            wishes = {**asked, **wishes}
+            frames.append(frame)
+        return Helped(wishes, tuple(frames) or (NOBODY,))
 
-    def _expected(self, timescale: float) -> dict[int, float]:
-        """Where joints are expected (rad), by index: what was predicted in this tick, and not before."""
-        if self._predictor is None:
-            return {}
-        fresh = self._predictor.fresh
-        found = {j: fresh(position_at(name, timescale)) for j, name in enumerate(self._names)}
-        return {joint: position for joint, position in found.items() if math.isfinite(position)}
+    def _situation(
+        self, percept: Percept, told: GroupFrame | None, name: str, attended: int | None
+    ) -> Situation:
+        group = self.groups.group(name)
+        return Situation(
+            time=percept.state.time,
+            rate_hz=self._rate_hz,
+            joints=group.joints,
+            active=self._names.index(told.active) if told else group.active,
+            attended=attended,
+            effort=told.effort if told else 0.0,
+            together=told.together if told else False,
+            state=percept.state,
+            outlook=self._outlook,
+        )
 
     def _try(self, act: Callable[[Predictor], None]) -> None:
         """Whatever learners do, control goes on without them: one that breaks is left alone from then on."""
@@ -135,10 +162,11 @@ class Mind:
             self._broken = f"Learning broke and is off: {type(error).__name__}: {error}"
             _log.exception("learning broke and is off")
 
-    def toggled(self, now: float) -> None:
+    def toggled(self, group: str, now: float) -> None:
         """The active joint of a group has changed."""
-        if self._dpcc:
-            self._dpcc.toggled(now)
+        for help_ in self._helps:
+            if help_.group == group:
+                help_.toggled(now)
 
     def begun_anew(self) -> list[str]:
         """Questions whose learners diverged and began anew since the last call."""
@@ -174,54 +202,49 @@ class Mind:
         """What the learners say in this tick."""
         return self._predictor.frame() if self._predictor and not self._broken else LearnFrame()
 
-    def describe(self) -> dict[str, Value]:
-        """The assist's parameters as clients see them."""
-        if self._dpcc is None:
-            return {"mode": "off"}
-        settings = self._dpcc.settings
-        return {
-            "mode": "dpcc" if settings.enabled else "off",
-            "group": self._group,
-            "timescale": settings.timescale,
-            "k": settings.k,
-            "velocity_limit_rad_s": max(settings.velocity_limits.values()),
-            "manual_after_toggle_s": settings.manual,
-        }
+    def describe(self, group: str | None = None) -> dict[str, Value]:
+        """The settings of the assist of a group (None: the first) as clients see them."""
+        return self._find(group).describe() if self._helps else {"mode": OFF}
 
-    def change(self, changes: Mapping[str, float | str]) -> None:
-        """Change some of the parameters that `describe` shows.
+    def change(self, changes: Mapping[str, Value], group: str | None = None) -> str:
+        """Change some of the settings that `describe` shows; returns the name of the group.
 
         Raises:
             Refused: the config has no assist.
             BadRequest: a value is out of its bounds, or nobody predicts at that timescale.
         """
-        if self._dpcc is None or self._predictor is None:
+        if self._predictor is None or not self._helps:
             raise Refused("the config has no [assist] and [learn] tables")
-        settings = self._dpcc.settings
-        timescale = float(changes.get("timescale", settings.timescale))
-        if timescale not in self._timescales:
+        help_ = self._find(group)
+        timescale = changes.get("timescale", help_.settings.timescale)
+        if not isinstance(timescale, int | float) or timescale not in self._timescales:
             known = ", ".join(f"{t:g}" for t in self._timescales)
+            word = f"{timescale:g}" if isinstance(timescale, int | float) else "such"
             raise BadRequest(
-                f"nothing is predicted {timescale:g} steps ahead (timescales: {known})", "timescale"
+                f"nothing is predicted {word} steps ahead (timescales: {known})", "timescale"
             )
-        limits = settings.velocity_limits
-        if "velocity_limit_rad_s" in changes:
-            limits = dict.fromkeys(limits, float(changes["velocity_limit_rad_s"]))
-        self._dpcc.settings = replace(
-            settings,
-            enabled=changes.get("mode", "dpcc" if settings.enabled else "off") == "dpcc",
-            timescale=timescale,
-            k=float(changes.get("k", settings.k)),
-            velocity_limits=limits,
-            manual=float(changes.get("manual_after_toggle_s", settings.manual)),
+        help_.change(changes)
+        return help_.group
+
+    def _find(self, group: str | None) -> Help:
+        known = {help_.group: help_ for help_ in self._helps}
+        if group is None:
+            return self._helps[0]
+        if group not in known:
+            raise BadRequest(f"nothing helps with the group '{group}' (groups: {', '.join(known)})", "group")
+        return known[group]
+
+    def _help(self, specs: Sequence[JointSpec], rate_hz: float, table: Assist) -> Help:
+        settings = AssistSettings(
+            timescale=table.timescale,
+            k=table.k,
+            velocity_limit=table.velocity_limit_rad_s,
+            manual=table.manual_after_toggle_s,
+            options=dict(table.options),
         )
-
-
-def _settings(assist: Assist, joints: int) -> DpccSettings:
-    return DpccSettings(
-        enabled=assist.mode == "dpcc",
-        timescale=assist.timescale,
-        k=assist.k,
-        velocity_limits=dict.fromkeys(range(joints), assist.velocity_limit_rad_s),
-        manual=assist.manual_after_toggle_s,
-    )
+        help_ = Help(table.group, specs, rate_hz, settings, registry.open_assist)
+        try:
+            help_.change({"mode": table.mode, "options": dict[str, Value](table.options)})
+        except BadRequest as error:
+            raise ConfigError(f"the assist of {table.group}: {error}") from error
+        return help_

@@ -16,6 +16,7 @@ _LEVELS = {
     "fault": logging.WARNING,
     "servo": logging.WARNING,
     "late": logging.WARNING,
+    "diverged": logging.WARNING,
     "recording": logging.WARNING,
     "group": logging.DEBUG,
     "goal": logging.DEBUG,

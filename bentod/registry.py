@@ -11,6 +11,7 @@ from typing import cast
 from pydantic import BaseModel
 
 from bentod.contracts import OpenEmg, OpenJoints, OpenLearner
+from bentod.contracts_assist import OpenAssist
 from bentod.errors import ConfigError, nearest
 
 
@@ -68,6 +69,10 @@ LEARNERS = {
     "swifttd": "bentod.learn.algorithms.swifttd:SwiftTD",
 }
 
+ASSISTS = {
+    "dpcc": "bentod.assist.thesis:open_assist",
+}
+
 ON_POLICY = frozenset({"true_online", "true_online_5", "tidbd", "autostep", "swifttd"})
 """Learners that do not heed ρ, so that a policy of one's own would mean nothing to them."""
 
@@ -92,6 +97,7 @@ COMMANDS = {
 TARGETS = {
     **{f"joints.{name}.{field}": getattr(d, field) for name, d in JOINTS.items() for field in d.__slots__},
     **{f"emg.{name}.{field}": getattr(s, field) for name, s in EMG.items() for field in s.__slots__},
+    **{f"assists.{name}": target for name, target in ASSISTS.items()},
     **{f"learners.{name}": target for name, target in LEARNERS.items()},
     **{f"commands.{name}": target for name, target in COMMANDS.items()},
 }
@@ -121,6 +127,12 @@ def open_joints(name: str) -> OpenJoints:
 def open_emg(name: str) -> OpenEmg:
     """The factory of the source that `emg.source.name` chooses. Raises ConfigError: there is none."""
     return cast("OpenEmg", resolve(_source(name).open))
+
+
+def open_assist(name: str) -> OpenAssist:
+    """The factory of the assist that a `mode` chooses. Raises ConfigError: there is none."""
+    target = ASSISTS.get(name) or _entry_point("bentod.assists", name, ASSISTS)
+    return cast("OpenAssist", resolve(target if ":" in target else f"{target}:open_assist"))
 
 
 def open_learner(name: str) -> OpenLearner:

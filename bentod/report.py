@@ -41,7 +41,7 @@ class Deed:
     percept: Percept
     look: Look
     wishes: Mapping[str, Wishes]
-    assist: AssistFrame
+    assists: tuple[AssistFrame, ...]
     decided: Sequence[Decision]
     sent: Sequence[Command | None]
 
@@ -62,7 +62,8 @@ def frame(stamp: Stamp, desk: Desk, deed: Deed) -> Frame:
         joints=tuple(_joint(joint, desk, deed) for joint in range(len(desk.specs))),
         emg=deed.look.frame,
         groups=deed.percept.groups,
-        assist=deed.assist,
+        assist=deed.assists[0],
+        more_assists=deed.assists[1:],
         goal=desk.goals.frame,
         meta=desk.meta,
         gap=stamp.gap,

@@ -112,7 +112,7 @@ class Controller:
         }
         percept = desk.percept(self._ticks, due, gap, state, look.frame)
         desk.mind.predict(percept, pace.has_time)
-        assistance = desk.mind.assist(state, attended((*OPERATORS, "client"), wishes, desk.modes))
+        assistance = desk.mind.assist(percept, attended((*OPERATORS, "client"), wishes, desk.modes))
         wishes["assist"] = assistance.wishes
         decided = arbitrate(wishes, desk.modes, len(desk.specs))
         sent = self._limited(decided, state)
@@ -125,7 +125,7 @@ class Controller:
         desk.learn(pace.has_time)
 
         pace.enter("publish")
-        deed = Deed(percept, look, wishes, assistance.frame, decided, sent)
+        deed = Deed(percept, look, wishes, assistance.frames, decided, sent)
         self._newest = frame(self._stamp(due, gap), desk, deed)
         self._publish(self._newest, desk.journal.take(), True)
         self._seam.answer(self._newest)

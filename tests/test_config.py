@@ -8,6 +8,7 @@ from bentod.cli.configs import find, parse_source, read
 from bentod.config import Config
 from bentod.config_file import parse
 from bentod.errors import ConfigError
+from bentod.furnish import mind_of
 
 SIM = (Path(__file__).parents[1] / "config" / "sim.toml").read_text()
 
@@ -122,10 +123,11 @@ def test_the_source_can_be_replaced_on_the_command_line(tmp_path: Path) -> None:
 
 
 def test_check_explains_the_arm_the_muscles_and_the_mind() -> None:
-    told = "\n".join(explain(parse(SIM, "sim.toml", registry)))
+    config = parse(SIM, "sim.toml", registry)
+    told = "\n".join(explain(config, mind_of(config)))
     assert "5 joints on the driver 'sim-dynamixel', 30 ticks a second" in told
     assert "flexor minus extensor drives the group arm, toggled by other_forearm" in told
-    assert "10 predictions are learned from shoulder_rotation, elbow_flexion" in told
+    assert "10 GVFs learn with the kernel " in told
 
 
 def test_what_was_read_cannot_be_changed() -> None:

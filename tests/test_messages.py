@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bentod.errors import BadRequest
-from bentod.frames import Mode, Prediction, Value
+from bentod.frames import Mode, Position, Value
 from bentod.framing import BadFraming, Limits
 from bentod.messages import (
     GREATEST_ID,
@@ -192,8 +192,8 @@ class Box:
     """One of each kind."""
 
     mode: Mode
-    parts: tuple[Prediction, ...]
-    named: Mapping[str, Prediction]
+    parts: tuple[Position, ...]
+    named: Mapping[str, Position]
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,7 +204,7 @@ class Single:
 
 
 def test_values_become_maps_of_their_fields() -> None:
-    part = Prediction(1, 20.0, 0.5)
+    part = Position(1.5, 0.5)
     box = Box(Mode.LIMP, (part,), MappingProxyType({"a": part}))
     plain = {"mode": "limp", "parts": [asdict(part)], "named": {"a": asdict(part)}}
     assert msgpack.unpackb(pack(box)) == plain

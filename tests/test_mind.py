@@ -1,6 +1,7 @@
 """Learners and assist between a reading and a wish: old readings, gaps, toggles, bugs."""
 
 import math
+from collections.abc import Collection
 from weakref import WeakKeyDictionary
 
 import pytest
@@ -11,9 +12,9 @@ from bentod.control.groups import Groups
 from bentod.errors import BadRequest, Refused
 from bentod.frames import EmgFrame, State, Velocity
 from bentod.learn.horde import HasTime, Horde, unhurried
+from bentod.learn.pupils import Together
 from bentod.learn.signals import Percept
-from bentod.learn.unit import Unit
-from bentod.mind import Mind
+from bentod.mind import Helped, Mind
 from tests.fakes import PERIOD, SPECS, at
 
 BOTH = ("shoulder", "elbow")
@@ -26,7 +27,7 @@ TICKS: WeakKeyDictionary[Mind, int] = WeakKeyDictionary()
 
 
 def mind_of(learn: Learn | None = LEARN, assist: Assist | None = ASSIST) -> Mind:
-    return Mind(SPECS, 1 / PERIOD, Groups(SPECS, {"arm": BOTH}), learn, assist)
+    return Mind(SPECS, 1 / PERIOD, Groups(SPECS, {"arm": BOTH}), learn, [assist] if assist else ())
 
 
 def watch(mind: Mind, shoulder: float, elbow: float, steps: int = 1, stale: tuple[int, ...] = ()) -> None:
@@ -43,11 +44,17 @@ def show(mind: Mind, state: State, has_time: HasTime = unhurried, missed: int = 
     mind.predict(Percept(tick, tick * PERIOD, gap or missed > 0, state, NO_EMG, ()), has_time)
 
 
+def helped_by(mind: Mind, state: State, moving: Collection[int]) -> Helped:
+    """What the assists ask for while the operator moves the joints `moving`."""
+    tick = TICKS.get(mind, 0)
+    return mind.assist(Percept(tick, tick * PERIOD, False, state, NO_EMG, ()), moving)
+
+
 @pytest.fixture
-def cuts(monkeypatch: pytest.MonkeyPatch) -> list[Unit]:
+def cuts(monkeypatch: pytest.MonkeyPatch) -> list[Together]:
     """Grows whenever learners are told to forget the step before; there are those of two timescales."""
-    cut: list[Unit] = []
-    monkeypatch.setattr(Unit, "cut", lambda unit: cut.append(unit))
+    cut: list[Together] = []
+    monkeypatch.setattr(Together, "cut", lambda pupils: cut.append(pupils))
     return cut
 
 
@@ -79,18 +86,20 @@ def test_only_the_joints_that_are_asked_for_are_predicted() -> None:
 
 
 def test_the_features_need_fresh_readings_and_until_then_the_last_predictions_stand(
-    cuts: list[Unit],
+    cuts: list[Together],
 ) -> None:
     mind = mind_of()
     watch(mind, 0.0, 0.0, steps=10)
     before = mind.predictions(ELBOW)
     watch(mind, 0.9, 0.0, steps=5, stale=(SHOULDER,))
     assert mind.predictions(ELBOW) == before
-    assert len(cuts) == 2 + 2 + 5 * 2  # in the first tick, when it is told to restart and again, then as long as blind
+    assert (
+        len(cuts) == 2 + 2 + 5 * 2
+    )  # twice in the first tick, then as long as blind
 
 
 @pytest.mark.parametrize("missed", [3, 300])
-def test_a_long_gap_between_two_readings_is_not_learned_from(cuts: list[Unit], missed: int) -> None:
+def test_a_long_gap_between_two_readings_is_not_learned_from(cuts: list[Together], missed: int) -> None:
     mind = mind_of()
     watch(mind, 0.0, 0.0, steps=2)
     cuts.clear()
@@ -99,7 +108,7 @@ def test_a_long_gap_between_two_readings_is_not_learned_from(cuts: list[Unit], m
     assert len(cuts) == 2
 
 
-def test_a_tick_that_broke_is_not_learned_across(cuts: list[Unit]) -> None:
+def test_a_tick_that_broke_is_not_learned_across(cuts: list[Together]) -> None:
     mind = mind_of()
     watch(mind, 0.0, 0.0, steps=2)
     cuts.clear()
@@ -109,7 +118,7 @@ def test_a_tick_that_broke_is_not_learned_across(cuts: list[Unit]) -> None:
 
 
 @pytest.mark.parametrize("missed", [1, 2])
-def test_a_missed_tick_or_two_are_bridged(cuts: list[Unit], missed: int) -> None:
+def test_a_missed_tick_or_two_are_bridged(cuts: list[Together], missed: int) -> None:
     mind = mind_of()
     watch(mind, 0.0, 0.0, steps=2)
     cuts.clear()
@@ -152,41 +161,44 @@ def test_the_unattended_joint_is_sent_to_where_it_is_expected_while_the_other_mo
     mind = mind_of()
     watch(mind, 0.0, 0.2, steps=300)
     away = at(0.0, 0.6)
-    helped = mind.assist(away, {SHOULDER})
-    assert helped.frame.engaged
+    helped = helped_by(mind, away, {SHOULDER})
+    assert helped.frames[0].engaged
     velocity = (mind.predictions(ELBOW)["20"] - 0.6) * 30 * 0.025  # thesis (5.1)
     assert helped.wishes == {ELBOW: Velocity(velocity)}
-    assert mind.assist(away, ()).wishes == {}
+    assert helped_by(mind, away, ()).wishes == {}
 
 
 def test_the_wearers_own_joint_is_never_helped_even_if_a_client_moves_the_other() -> None:
     mind = mind_of()
     watch(mind, 0.0, 0.2, steps=300)
-    assert SHOULDER not in mind.assist(at(0.5, 0.6), {SHOULDER, ELBOW}).wishes
+    assert SHOULDER not in helped_by(mind, at(0.5, 0.6), {SHOULDER, ELBOW}).wishes
 
 
 def test_predictions_from_old_readings_move_nothing() -> None:
     mind = mind_of()
     watch(mind, 0.0, 0.2, steps=100)
     watch(mind, 0.0, 0.2, stale=(ELBOW,))
-    helped = mind.assist(at(0.0, 0.6), {SHOULDER})
-    assert (helped.wishes, helped.frame.engaged) == ({}, False)
+    helped = helped_by(mind, at(0.0, 0.6), {SHOULDER})
+    assert (helped.wishes, helped.frames[0].engaged) == ({}, False)
 
 
 def test_after_a_toggle_help_waits_for_as_long_as_was_agreed() -> None:
     mind = mind_of()
     watch(mind, 0.0, 0.2, steps=300)
-    mind.toggled(now=10.0)
-    assert mind.assist(at(0.0, 0.6, time=10.4), {SHOULDER}).frame.reason == "Manual for 0.5 s after a toggle."
-    assert mind.assist(at(0.0, 0.6, time=10.6), {SHOULDER}).wishes
+    mind.toggled("arm", 10.0)
+    assert (
+        helped_by(mind, at(0.0, 0.6, time=10.4), {SHOULDER}).frames[0].reason
+        == "Manual for 0.5 s after a toggle."
+    )
+    assert helped_by(mind, at(0.0, 0.6, time=10.6), {SHOULDER}).wishes
 
 
 def test_without_tables_there_is_neither_prediction_nor_help() -> None:
     mind = mind_of(None, None)
     watch(mind, 0.0, 0.0)
-    mind.toggled(0.0)
+    mind.toggled("arm", 0.0)
     assert mind.predictions(SHOULDER) == {}
-    assert mind.assist(at(0.0, 0.0), {SHOULDER}).frame.reason == "The config has no [assist] table."
+    assert helped_by(mind, at(0.0, 0.0), {SHOULDER}).frames[0].reason == "The config has no [assist] table."
     assert mind.describe() == {"mode": "off"}
     with pytest.raises(Refused, match="no \\[assist\\] and \\[learn\\] tables"):
         mind.change({"k": 0.1})
@@ -197,10 +209,10 @@ def test_learning_goes_on_while_assist_is_switched_off() -> None:
     mind.change({"mode": "off"})
     watch(mind, 0.3, -0.4, steps=300)
     assert mind.predictions(SHOULDER)["20"] == pytest.approx(0.3, abs=0.05)
-    off = mind.assist(at(0.3, 0.6), {SHOULDER})
-    assert (off.wishes, off.frame.mode) == ({}, "off")
+    off = helped_by(mind, at(0.3, 0.6), {SHOULDER})
+    assert (off.wishes, off.frames[0].mode) == ({}, "off")
     mind.change({"mode": "dpcc"})
-    assert mind.assist(at(0.3, 0.6), {SHOULDER}).wishes
+    assert helped_by(mind, at(0.3, 0.6), {SHOULDER}).wishes
 
 
 def test_a_learner_that_breaks_is_left_alone_and_the_reason_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -214,9 +226,9 @@ def test_a_learner_that_breaks_is_left_alone_and_the_reason_is_kept(monkeypatch:
         patch.setattr(Horde, "step", break_down)
         watch(mind, 0.0, 0.2)
     watch(mind, 0.0, 0.2, steps=10)
-    helped = mind.assist(at(0.0, 0.6), {SHOULDER})
+    helped = helped_by(mind, at(0.0, 0.6), {SHOULDER})
     assert helped.wishes == {}
-    assert helped.frame.reason == "Learning broke and is off: ZeroDivisionError: oops"
+    assert helped.frames[0].reason == "Learning broke and is off: ZeroDivisionError: oops"
 
 
 def test_the_timescale_that_the_assist_follows_learns_first_and_the_longest_last() -> None:
@@ -233,8 +245,8 @@ def test_with_no_time_at_all_the_assist_still_follows_what_was_learned() -> None
     mind = mind_of()
     watch(mind, 0.0, 0.2, steps=300)
     show(mind, at(0.0, 0.6), lambda: False)
-    helped = mind.assist(at(0.0, 0.6), {SHOULDER})
-    assert helped.frame.engaged
+    helped = helped_by(mind, at(0.0, 0.6), {SHOULDER})
+    assert helped.frames[0].engaged
     assert helped.wishes.keys() == {ELBOW}
     assert mind.shed == 1
 
@@ -248,7 +260,7 @@ def test_another_timescale_for_the_assist_is_learned_first_from_then_on() -> Non
     assert list(mind.predictions(ELBOW)) == ["10", "20"]
 
 
-def test_nothing_is_learned_from_an_old_reading_after_the_write_either(cuts: list[Unit]) -> None:
+def test_nothing_is_learned_from_an_old_reading_after_the_write_either(cuts: list[Together]) -> None:
     mind = mind_of()
     watch(mind, 0.0, 0.0)
     before = mind.predictions(ELBOW)
@@ -278,7 +290,7 @@ def test_a_velocity_limit_holds_from_then_on() -> None:
     mind = mind_of()
     watch(mind, 0.0, -0.9, steps=300)
     mind.change({"velocity_limit_rad_s": 0.05})
-    assert mind.assist(at(0.0, 0.6), {SHOULDER}).wishes == {ELBOW: Velocity(-0.05)}
+    assert helped_by(mind, at(0.0, 0.6), {SHOULDER}).wishes == {ELBOW: Velocity(-0.05)}
 
 
 @pytest.mark.parametrize(

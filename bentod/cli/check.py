@@ -1,12 +1,16 @@
 """`bentod check`: every mistake of a config at once, or what the config means."""
 
+import os
 from pathlib import Path
 
 import click
 
-from bentod.cli.configs import read
+from bentod.cli.configs import find, read
+from bentod.cli.learning_words import sentences
 from bentod.config import Config
 from bentod.errors import ConfigError
+from bentod.furnish import mind_of
+from bentod.mind import Mind
 
 
 @click.command()
@@ -17,16 +21,25 @@ def check(file: Path, emg: str, port: str) -> None:
     """Check the config FILE and explain what it says. Exits with 1 if it has mistakes."""
     try:
         config = read(file, emg, port)
+        mind = _mind(config, find(file))
     except ConfigError as error:
         for line in str(error).splitlines():
             click.echo(line, err=True)
         raise SystemExit(1) from error
-    for line in explain(config):
+    for line in explain(config, mind, str(file)):
         click.echo(line)
 
 
-def explain(config: Config) -> list[str]:
-    """The config in sentences."""
+def _mind(config: Config, file: Path) -> Mind:
+    """Raises ConfigError: what is to be learned makes no sense."""
+    try:
+        return mind_of(config)
+    except ConfigError as error:
+        raise ConfigError(f"{file}: {error}") from error
+
+
+def explain(config: Config, mind: Mind, name: str = "") -> list[str]:
+    """The config in sentences. `mind`: of this config; `name`: of the config."""
     safety = config.safety
     lines = [
         f"{config.arm}: {len(config.joints)} joints {_explain_drivers(config)}, "
@@ -41,7 +54,7 @@ def explain(config: Config) -> list[str]:
         for joint in config.joints
     ]
     lines += [f"Group {group.name}: {' → '.join(group.joints)}." for group in config.groups]
-    return [*lines, *_explain_muscles(config), *_explain_mind(config), *_explain_access(config)]
+    return [*lines, *_explain_muscles(config), *_explain_mind(config, mind, name), *_explain_access(config)]
 
 
 def _explain_drivers(config: Config) -> str:
@@ -67,12 +80,10 @@ def _explain_muscles(config: Config) -> list[str]:
     return lines
 
 
-def _explain_mind(config: Config) -> list[str]:
-    if config.learn is None:
+def _explain_mind(config: Config, mind: Mind, name: str) -> list[str]:
+    if mind.predictor is None:
         return ["Nothing is learned: there is no [learn] table."]
-    learn = config.learn
-    predicted = len(learn.predict or config.joints) * len(learn.timescales)
-    lines = [f"{predicted} predictions are learned from {', '.join(learn.joints)}."]
+    lines = sentences(config, mind.predictor, name, os.environ)
     if config.assist and config.assist.mode != "off":
         assist = config.assist
         lines.append(

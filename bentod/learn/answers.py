@@ -45,7 +45,8 @@ class Answers:
 
     def squared_error(self, name: str) -> float:
         """δ² of one question in this tick; NaN if it learned nothing."""
-        return float(self.delta[self.place[name]]) ** 2
+        delta = float(self.delta[self.place[name]])
+        return delta * delta  # which may be infinite, where a power would raise
 
     def older(self) -> dict[str, float]:
         """The age in ticks of those predictions that were not made in this one, by name."""

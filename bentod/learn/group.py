@@ -191,21 +191,21 @@ class Group:
             turn = EPOCH
         start = self._swept
         if start < self._n:
-            self._swept = self._n if turn == EPOCH else self._slice(start, count, decay)
+            self._swept = self._n if turn == EPOCH else self._slice(start, decay)
         horizon = self._horizon()
         return Step(
             count, self._before, gamma, self._s, s_next, self._kept, horizon, turn, start, self._swept
         )
 
-    def _slice(self, start: int, count: int, decay: float) -> int:
+    def _slice(self, start: int, decay: float) -> int:
         """Where a slice of the sweep ends: at the last row when log s has fallen to the end of the epoch.
 
-        Few large slices cost less than many small ones, but must stay small beside the active rows.
+        So the sweep is spread over the whole epoch, and hardly shows in any single step.
         """
         if decay != self._decay:
             fall = math.log(decay) / math.log(self._least_s) if decay > 0 else 0.0
             self._decay, self._share = decay, max(fall, 1 / self._longest)
-        return min(self._n, start + max(math.ceil(self._n * self._share), count // 2))
+        return min(self._n, start + math.ceil(self._n * self._share))
 
     def _after(self, step: Step) -> None:
         if step.turn == EPOCH:

@@ -104,6 +104,16 @@ class Predictor:
         answers = self.horde.answers
         return float(answers.confidence[answers.place[name]]) if name in answers.place else math.nan
 
+    def surprise(self, name: str) -> float:
+        """Z of the prediction `name`; NaN if nobody asks it."""
+        answers = self.horde.answers
+        return float(answers.surprise[answers.place[name]]) if name in answers.place else math.nan
+
+    def familiarity(self, representation: str) -> float:
+        """How well a state like this one is known, 0..1; NaN where nobody counts."""
+        encoder = self.horde.encoders.get(representation)
+        return encoder.visit.familiarity if encoder and encoder.visit else math.nan
+
     def add(self, table: Gvf) -> tuple[str, ...]:
         """Ask more from the next tick on, and go on undisturbed with all else; returns the names.
 

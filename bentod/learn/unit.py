@@ -123,9 +123,10 @@ class Unit:
 
     def _answer(self, observed: Vector, gamma: float, scene: Scene) -> None:
         count, steps = len(self.places), max(scene.steps, 1)
-        rewards = self._discount.rewards(observed[:count], gamma, steps)
-        gamma, lam = gamma**steps, self._discount.lam**steps
-        values = self.pupils.step(self._encoder, rewards, gamma, lam, self._rho(observed))
-        scene.answers.put(self.places, values, self.pupils.delta)
-        self.doubts.step(rewards, gamma, values, scene.elapsed)
+        with np.errstate(over="ignore", invalid="ignore"):  # a cumulant may be anything
+            rewards = self._discount.rewards(observed[:count], gamma, steps)
+            gamma, lam = gamma**steps, self._discount.lam**steps
+            values = self.pupils.step(self._encoder, rewards, gamma, lam, self._rho(observed))
+            scene.answers.put(self.places, values, self.pupils.delta)
+            self.doubts.step(rewards, gamma, values, scene.elapsed)
         self.doubts.tell(scene.answers, self.places)

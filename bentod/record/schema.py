@@ -146,6 +146,7 @@ TABLE = (
             Field(3, "active", T),
             Field(4, "effort", D),
             Field(5, "operator", T),
+            Field(6, "together", B),
         ),
     ),
     Message(
@@ -162,7 +163,13 @@ TABLE = (
     Message(
         "AssistFrame",
         (AssistFrame,),
-        (Field(1, "mode", T), Field(2, "engaged", B), Field(3, "reason", T), Field(4, "attended", T)),
+        (
+            Field(1, "mode", T),
+            Field(2, "engaged", B),
+            Field(3, "reason", T),
+            Field(4, "attended", T),
+            Field(5, "group", T),
+        ),
     ),
     Message(
         "Trial",
@@ -211,6 +218,7 @@ TABLE = (
             Field(19, "trial", Kind.MAYBE, "Trial"),
             Field(20, "whole", B),
             Field(21, "learn", Kind.ONE, "LearnFrame"),
+            Field(22, "more_assists", Kind.MANY, "AssistFrame"),
         ),
     ),
     Message(

@@ -12,7 +12,7 @@ from bentod.learn.signals import Percept
 from bentod.learn.snapshot import Keepable
 from bentod.replay.player import Source
 
-ASSIST_KEYS = ("mode", "k", "timescale", "velocity_limit_rad_s", "manual_after_toggle_s")
+ASSIST_KEYS = ("mode", "k", "timescale", "velocity_limit_rad_s", "manual_after_toggle_s", "options")
 """What `assist_set` may change, and events of kind "assist" tell."""
 
 
@@ -80,6 +80,7 @@ class Relearner:
         self.learners: Keepable | None = self._mind.predictor
         """What can be kept of what is learned; None if there is nothing of that kind."""
         self._kept = frozenset(kept)
+        self._first = config.assist.group if config.assist else ""  # of old recordings
         self._shed = 0
 
     def step(self, tick: Tick) -> Frame:
@@ -94,16 +95,20 @@ class Relearner:
             return frame
         state = _state(frame)
         has_time = self._budget(frame)
-        self._mind.predict(
-            Percept(frame.tick, frame.time, frame.gap, state, frame.emg, frame.groups), has_time
-        )
-        attended = frame.assist.attended
-        helped = self._mind.assist_beside(state, self._names.index(attended) if attended else None)
+        percept = Percept(frame.tick, frame.time, frame.gap, state, frame.emg, frame.groups)
+        self._mind.predict(percept, has_time)
+        attended = {
+            it.group or self._first: self._names.index(it.attended) if it.attended else None
+            for it in (frame.assist, *frame.more_assists)
+        }
+        helped = self._mind.assist_beside(percept, attended)
         self._mind.learn(has_time)
         joints = tuple(
             self._joint(index, joint, helped.wishes.get(index)) for index, joint in enumerate(frame.joints)
         )
-        return replace(frame, assist=helped.frame, joints=joints, learn=self._mind.frame())
+        first, *others = helped.frames
+        learn = self._mind.frame()
+        return replace(frame, assist=first, more_assists=tuple(others), joints=joints, learn=learn)
 
     def _budget(self, frame: Frame) -> HasTime:
         """As many learners have time as had it in this tick: those that are left out are always the last."""
@@ -119,10 +124,12 @@ class Relearner:
 
     def _take(self, event: Event) -> None:
         if event.kind == "group":
-            self._mind.toggled(event.time)
+            self._mind.toggled(str(event.data.get("group", "")), event.time)
         elif event.kind == "assist":
-            told = {key: event.data.get(key) for key in ASSIST_KEYS if key not in self._kept}
-            self._mind.change({key: v for key, v in told.items() if isinstance(v, float | int | str)})
+            keys = [key for key in ASSIST_KEYS if key in event.data and key not in self._kept]
+            told = {key: event.data[key] for key in keys}
+            group = event.data.get("group")
+            self._mind.change(told, group if isinstance(group, str) else None)
         elif event.kind == "learn":
             self._ask(event.data)
 
@@ -157,8 +164,12 @@ def _state(frame: Frame) -> State:
 
 def same_thoughts(one: Frame, other: Frame) -> bool:
     """Whether two frames hold the same predictions and the same wishes of the assist, bit for bit."""
-    same = one.assist == other.assist and one.learn.predictions == other.learn.predictions
-    return same and all(
-        mine.predictions == theirs.predictions and mine.asked.get("assist") == theirs.asked.get("assist")
-        for mine, theirs in zip(one.joints, other.joints, strict=True)
+    helped = (one.assist, one.more_assists) == (other.assist, other.more_assists)
+    return (
+        helped
+        and one.learn.predictions == other.learn.predictions
+        and all(
+            mine.predictions == theirs.predictions and mine.asked.get("assist") == theirs.asked.get("assist")
+            for mine, theirs in zip(one.joints, other.joints, strict=True)
+        )
     )

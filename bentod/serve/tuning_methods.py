@@ -5,9 +5,11 @@ from typing import Annotated
 from bentod.control.leases import Holder
 from bentod.errors import Refused
 from bentod.frames import Value
-from bentod.serve.params import Flag, Number, Text
+from bentod.serve.params import Flag, Free, Number, Text
 from bentod.serve.room import GroupName, Joint, Lease, Room
 from bentod.serve.session import Session
+
+HelpedGroup = Annotated[str | None, Text("a group that has an assist; nil for the first")]
 
 
 class TuningMethods:
@@ -72,31 +74,34 @@ class TuningMethods:
         await self._room.inbox.ask(lambda desk: desk.pause_muscles(on))
         return None
 
-    async def assist_get(self, session: Session) -> Value:
-        """The parameters of collaborative control."""
-        return (await self._room.inbox.ask(lambda desk: desk.mind.describe())).result
+    async def assist_get(self, session: Session, group: HelpedGroup = None) -> Value:
+        """The settings of what helps with a group, and what it has found out."""
+        return (await self._room.inbox.ask(lambda desk: desk.mind.describe(group))).result
 
     async def assist_set(
         self,
         session: Session,
-        mode: Annotated[str | None, Text("which assist", choices=("off", "dpcc"))] = None,
+        mode: Annotated[str | None, Text("which assist, e.g. off, dpcc or dpcc_confident", 32)] = None,
         k: Annotated[float | None, Number("", 1e-4, 0.9999, "share of the way in one tick")] = None,
         timescale: Annotated[float | None, Number("ticks", 1, 10_000, "which prediction to follow")] = None,
         velocity_limit_rad_s: Annotated[
             float | None, Number("rad/s", 1e-3, 10, "top speed it may use")
         ] = None,
         manual_after_toggle_s: Annotated[float | None, Number("s", 0, 10, "no assist after a toggle")] = None,
+        group: HelpedGroup = None,
+        options: Annotated[Value, Free("a table of the mode's own settings; nil leaves them")] = None,
     ) -> Value:
-        """Change the parameters of collaborative control from the next tick on; what is left out stays."""
+        """Change the settings of what helps with a group, from the next tick on; what is left out stays."""
         given = {
             "mode": mode,
             "k": k,
             "timescale": timescale,
             "velocity_limit_rad_s": velocity_limit_rad_s,
             "manual_after_toggle_s": manual_after_toggle_s,
+            "options": options,
         }
-        changes = {name: value for name, value in given.items() if value is not None}
-        await self._room.inbox.ask(lambda desk: desk.change_assist(changes))
+        changes: dict[str, Value] = {name: value for name, value in given.items() if value is not None}
+        await self._room.inbox.ask(lambda desk: desk.change_assist(changes, group))
         return None
 
     async def inject(

@@ -202,7 +202,7 @@ class Operator:
     def _push(
         self, plan: _Plan, joint: int, position: Point, now: float, course: Course, assisted: bool
     ) -> None:
-        """Push the whole way; a look in between may correct it, and what comes after is prepared meanwhile."""
+        """Push the whole way; a look in between may correct it, and what comes next may be prepared."""
         if self._draw.random() < self.traits.switching.wrong:
             self._switch.begin(now, prepared=False)
             return

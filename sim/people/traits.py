@@ -16,6 +16,10 @@ Sources by short name:
   Rabbitt 1966 -- after an error people are slower for a while.
   Yang 2021 -- Hum Factors 65(5):862: a failure of automation moves trust more than a success does.
   Sherstan 2015 -- the thesis, sections 5.5 and 5.6.6, appendix B.
+Saunders & Knill, van de Kamp, Miall, Sensinger and Yang were read as abstracts, Card in a summary; Jones,
+Hick, Hyman, Welford and Rabbitt are cited as they are commonly quoted, and were not looked up. Margins,
+trust, surprise and confusion were adjusted until the circuits of Table B.1 came out about right, so they
+cannot confirm it.
 No measured time of toggling between joints was found; no source gives numbers for how people take to an
 arm that moves by itself. What is said of that here is assumed, in a direction that the thesis describes.
 """

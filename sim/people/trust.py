@@ -19,6 +19,9 @@ SEEN = 0.7
 OWN_DOING = 0.25
 """s after a change of the joint, in which the other joint's motion is still one's own; assumed."""
 
+LASTING = 0.25
+"""Share of a loss of trust that habit does not soften; assumed."""
+
 CONFIRMED = 0.1
 """rad without a surprise, after which the arm is taken as it is; assumed."""
 
@@ -123,7 +126,7 @@ class Trust:
 
     def blame(self) -> None:
         """A wall was touched while the arm moved by itself."""
-        self.trust *= 1 - self._autonomy.down
+        self._lose()
 
     def _learn(self, look: Look, place: int) -> None:
         before = self._rates.get((place, look.joint), 0.0)
@@ -137,10 +140,14 @@ class Trust:
         harmed = gained < -CLEAR
         startled = self._startled(abs(other - self._expected), harmed)
         if harmed:
-            self.trust *= 1 - self._autonomy.down
+            self._lose()
         elif gained > CLEAR:
             self.trust += self._autonomy.up * (1 - self.trust)
         return Verdict(self._pause() if startled else 0.0, harmed)
+
+    def _lose(self) -> None:
+        """Trust that has grown with habit is not lost in a moment."""
+        self.trust *= 1 - self._autonomy.down * (LASTING + (1 - LASTING) * self.strangeness)
 
     def _startled(self, unexpected: float, harmed: bool) -> bool:
         if unexpected < self._autonomy.notice:

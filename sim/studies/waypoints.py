@@ -1,6 +1,6 @@
 """Experiment 1 of the thesis (5.4): way points in the plane of two joints, each to be held for three seconds.
 
-The order, 1-2-3-2-1, the tolerance of 1 degree and the 3 s are the thesis'. Where the points lie it shows only
+The order, 1-2-3-2-1, the tolerance of 1 degree and the 3 s are the thesis'. Where the points lie shows only
 in a figure without numbers: here a circuit is as long as makes 29 of them take about 11 minutes.
 """
 

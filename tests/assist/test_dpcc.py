@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bentod.assist.dpcc import Assistance, Dpcc, DpccSettings, at_timescale, dpcc_velocity
+from bentod.assist.dpcc import Assistance, Dpcc, DpccSettings, dpcc_velocity
 from bentod.errors import BadRequest
-from bentod.frames import JointSpec, Prediction, Velocity, Wishes
+from bentod.frames import JointSpec, Velocity, Wishes
 
 SHOULDER, ELBOW, WRIST, HAND = range(4)
 GROUP = (SHOULDER, ELBOW, WRIST)
@@ -177,8 +177,3 @@ def test_a_setting_out_of_bounds_is_refused_by_name(name: str, build: Callable[[
     with pytest.raises(BadRequest, match=f"The assistance's {name} must be") as refusal:
         build()
     assert refusal.value.field == name
-
-
-def test_predictions_are_picked_by_timescale() -> None:
-    predictions = [Prediction(0, 20.0, 0.1), Prediction(0, 120.0, 0.2), Prediction(1, 20.0, 0.3)]
-    assert at_timescale(predictions, 20.0) == {0: 0.1, 1: 0.3}

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from bentod import registry
 from bentod.contracts import Arrival, LearnerSettings
-from bentod.learn.representation import Representation
 from bentod.learn.returns import discount, ideal_predictions
 from sim import clock
 from tests.benchmarks.harness import BUILD, Row, at_most, main
+from tests.learn.arm_features import ArmFeatures
 from tests.rig import PLAIN, Table, joint, number, running, sim_config
 
 JOINTS = ("shoulder_rotation", "elbow_flexion")
@@ -49,7 +49,7 @@ class Tour:
     """What one wearer did, as learners see it."""
 
     phi: Series  # of the features that are ever active, shape (ticks, features)
-    active: int  # the nominal number of them at a time
+    active: float  # the nominal number of them at a time
     positions: Series
     initial: Sequence[float]  # the joints' minima, rad
 
@@ -87,7 +87,7 @@ async def driven(seed: int) -> Tour:
 
 def tour(positions: Series, limits: Sequence[tuple[float, float]]) -> Tour:
     """Features that are never active are left out: no algorithm could learn anything with them."""
-    representation = Representation(limits)
+    representation = ArmFeatures(limits)
     phi = np.zeros((len(positions) - AFTER, representation.size))
     for row, now in zip(phi, positions.tolist(), strict=False):
         row[representation.features(now)] = 1

@@ -2,7 +2,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 
 from bentod.learn.group import Group
 from bentod.learn.kernel import Kernel, choose
@@ -45,6 +45,12 @@ def agrees(seen: Seen, journeys: Journeys, algorithm: Algorithm, tolerance: floa
         np.testing.assert_allclose(seen.trace, told.zs[-1], rtol=0, atol=1e-8 * np.abs(told.zs).max())
 
 
+def calm(journeys: Journeys, algorithm: Algorithm) -> bool:
+    """Whether dense learners stay small; with accumulating traces near γλ = 1 not all do: a group resets."""
+    told = [journeys.oracle(algorithm, gvf) for gvf in range(len(journeys.initial))]
+    return all(float(np.abs(one.ws).max()) < 20 for one in told)
+
+
 @kernels
 @precisions
 @settings(max_examples=25)
@@ -53,6 +59,7 @@ def test_a_group_learns_what_dense_learners_of_one_gvf_each_do(
     kernel: Kernel, dtype: type[Real], tolerance: float, seed: int, algorithm: Algorithm
 ) -> None:
     journeys = random_journeys(seed)
+    assume(calm(journeys, algorithm))
     agrees(follow(new_group(journeys, algorithm, kernel, dtype), journeys), journeys, algorithm, tolerance)
 
 

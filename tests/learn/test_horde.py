@@ -93,7 +93,7 @@ def test_each_question_is_answered_as_the_thesis_would(timescale: float, joint: 
     stream = Stream(seen, rewards, [ALPHA] * (ticks - 1))
     ws = oracles.equations_5_2_to_5_4(stream, np.full(len(seen[0]), -1.0 / 9), gamma, 0.95)
     expected = [float(w @ phi) for w, phi in zip(ws, seen, strict=True)]
-    assert [tick[name] for tick in told] == pytest.approx(expected, abs=1e-12)
+    assert [tick[name] for tick in told] == pytest.approx(expected, abs=1e-9)
 
 
 def test_questions_with_the_same_horizon_trace_and_step_size_share_a_trace() -> None:
@@ -214,7 +214,7 @@ def test_a_representation_that_needs_its_own_predictions_is_a_circle() -> None:
 def test_both_kernels_predict_the_same_to_the_last_bit() -> None:
     ours, theirs = (new_predictor(kernel=kernel, **EVERYTHING) for kernel in ("numpy", "compiled"))
     assert ours.kernel != theirs.kernel
-    for first, end, every in ((0, 150, 1), (150, 200, 3), (210, 300, 1)):
+    for first, end, every in ((0, 50, 1), (50, 70, 3), (80, 110, 1)):
         assert without_nan(live(ours, first, end, every=every)) == without_nan(
             live(theirs, first, end, every=every)
         )
@@ -228,7 +228,7 @@ def without_nan(told: list[dict[str, float]]) -> list[dict[str, float]]:
 
 def test_the_same_signals_are_answered_the_same_every_time() -> None:
     ours, theirs = new_predictor(**EVERYTHING), new_predictor(**EVERYTHING)
-    assert without_nan(live(ours, 0, 120)) == without_nan(live(theirs, 0, 120))
+    assert without_nan(live(ours, 0, 40)) == without_nan(live(theirs, 0, 40))
 
 
 class Kept:
@@ -254,26 +254,27 @@ def stored(predictor: Predictor, path: Path) -> Path:
 
 def test_what_went_through_a_snapshot_goes_on_as_if_nothing_had_happened(tmp_path: Path) -> None:
     undisturbed, other = new_predictor(**EVERYTHING), new_predictor(**EVERYTHING)
-    live(undisturbed, 0, 150)
+    live(undisturbed, 0, 60)
     assert read(stored(undisturbed, tmp_path / "s")).give(Kept(other.horde)) == []
     for memory, expected in zip(
         other.horde.memory().values(), undisturbed.horde.memory().values(), strict=True
     ):
         np.testing.assert_allclose(memory, expected, rtol=1e-9, atol=1e-12)
-    other._due, other._signals = undisturbed._due, undisturbed._signals
-    for mine, theirs in zip(live(other, 150, 220), live(undisturbed, 150, 220), strict=True):
+    other._due = undisturbed._due
+    other._signals.recall(undisturbed._signals.memory())
+    for mine, theirs in zip(live(other, 60, 100), live(undisturbed, 60, 100), strict=True):
         assert mine == pytest.approx(theirs, abs=1e-8, nan_ok=True)
 
 
 def test_two_that_recall_the_same_predict_the_same_to_the_last_bit(tmp_path: Path) -> None:
     source = new_predictor(**EVERYTHING)
-    live(source, 0, 100)
+    live(source, 0, 50)
     snapshot = read(stored(source, tmp_path / "s"))
     told = []
     for _ in range(2):
         fresh = new_predictor(**EVERYTHING)
         snapshot.give(Kept(fresh.horde))
-        told.append(without_nan(live(fresh, 100, 150)))
+        told.append(without_nan(live(fresh, 50, 75)))
     assert told[0] == told[1]
 
 

@@ -6,12 +6,12 @@ from hypothesis import strategies as st
 from bentod.config_learn import Learn, RepresentationTable, Tiles
 from bentod.errors import ConfigError
 from bentod.frames import JointSpec
-from bentod.learn.expression import Expression, Vocabulary
-from bentod.learn.program import Program
-from bentod.learn.representation import Representation, StateCoding, arm_coding, codings, state_coding
+from bentod.learn.expression import Vocabulary
+from bentod.learn.representation import StateCoding, codings, state_coding
 from bentod.learn.signals import Declared, Signals
 from bentod.learn.tiles import TileCoder
 from bentod.learn.traces import HistoryTraces
+from tests.learn.arm_features import ArmFeatures
 
 LIMITS = [(-1.0, 1.0), (0.5, 2.5)]
 
@@ -42,14 +42,14 @@ def test_a_decay_out_of_range_is_refused(decay: float) -> None:
 
 
 def test_the_thesis_has_2049_features_of_which_101_are_active() -> None:
-    representation = Representation(LIMITS)
+    representation = ArmFeatures(LIMITS)
     assert (representation.size, representation.active) == (2049, 101)
     features = representation.features([0.0, 1.0])
     assert 90 < len(features) <= 101
 
 
 def test_the_bias_is_the_last_feature_and_always_active() -> None:
-    representation = Representation(LIMITS)
+    representation = ArmFeatures(LIMITS)
     rng = np.random.default_rng(1)
     for positions in rng.uniform(-3, 3, (50, 2)).tolist():
         features = representation.features(positions)
@@ -58,7 +58,7 @@ def test_the_bias_is_the_last_feature_and_always_active() -> None:
 
 
 def test_angles_and_their_traces_are_tiled_after_normalising_over_the_limits() -> None:
-    representation = Representation(LIMITS, tilings=16, memory=512, trace_decay=0.75)
+    representation = ArmFeatures(LIMITS, tilings=16, memory=512, trace_decay=0.75)
     representation.features([-1.0, 2.5])
     features = representation.features([0.0, 2.0])
     tiles = TileCoder(4, tilings=16, memory=512).encode([0.5, 0.75, 0.125, 0.9375])
@@ -66,20 +66,20 @@ def test_angles_and_their_traces_are_tiled_after_normalising_over_the_limits() -
 
 
 def test_a_joint_beyond_its_limit_looks_like_one_at_the_limit() -> None:
-    beyond = Representation(LIMITS).features([5.0, 0.0])
-    at_the_limit = Representation(LIMITS).features([1.0, 0.5])
+    beyond = ArmFeatures(LIMITS).features([5.0, 0.0])
+    at_the_limit = ArmFeatures(LIMITS).features([1.0, 0.5])
     assert beyond.tolist() == at_the_limit.tolist()
 
 
 def test_the_same_place_looks_different_when_it_is_reached_from_elsewhere() -> None:
-    from_left, from_right = Representation(LIMITS, trace_decay=0.9), Representation(LIMITS, trace_decay=0.9)
+    from_left, from_right = ArmFeatures(LIMITS, trace_decay=0.9), ArmFeatures(LIMITS, trace_decay=0.9)
     from_left.features([-1.0, 1.0])
     from_right.features([1.0, 1.0])
     assert from_left.features([0.0, 1.0]).tolist() != from_right.features([0.0, 1.0]).tolist()
 
 
 def test_after_a_restart_the_past_is_forgotten() -> None:
-    representation = Representation(LIMITS, trace_decay=0.9)
+    representation = ArmFeatures(LIMITS, trace_decay=0.9)
     fresh = representation.features([0.0, 1.0]).tolist()
     representation.features([1.0, 1.0])
     representation.restart()
@@ -87,17 +87,11 @@ def test_after_a_restart_the_past_is_forgotten() -> None:
 
 
 def test_a_position_that_is_not_finite_is_refused_and_leaves_no_trace() -> None:
-    representation = Representation(LIMITS, trace_decay=0.9)
+    representation = ArmFeatures(LIMITS, trace_decay=0.9)
     before = representation.features([0.0, 1.0]).tolist()
     with pytest.raises(ValueError, match="finite"):
         representation.features([float("nan"), 1.0])
     assert representation.features([0.0, 1.0]).tolist() == before
-
-
-@pytest.mark.parametrize("limits", [(1.0, 1.0), (2.0, 1.0), (float("-inf"), 1.0), (0.0, float("nan"))])
-def test_an_empty_or_endless_range_is_refused(limits: tuple[float, float]) -> None:
-    with pytest.raises(ValueError, match="minimum below its maximum"):
-        Representation([limits])
 
 
 SPECS = tuple(JointSpec(f"j{i}", low, high, 1.0, low, {}) for i, (low, high) in enumerate(LIMITS))
@@ -113,17 +107,20 @@ def coded(*tiles: Tiles, raw: tuple[str, ...] = (), bias: bool = True) -> StateC
 
 @settings(max_examples=20)
 @given(st.lists(st.tuples(st.floats(-1.5, 1.5), st.floats(0, 3)), min_size=1, max_size=8))
-def test_the_arms_representation_has_the_same_features_as_ever(journey: list[tuple[float, float]]) -> None:
-    coding = arm_coding(Learn(joints=("j0", "j1"), trace_decay=0.9), SPECS)
-    signals = Signals(SPECS)
-    program = Program([Expression.parse(text, Vocabulary(signals)) for text in coding.inputs])
-    before = Representation(LIMITS, trace_decay=0.9)
-    assert (coding.size, coding.active, coding.apart) == (2049, 101.0, (2048,))
+def test_the_arm_is_tiled_in_one_piece_angles_first_then_their_traces(
+    journey: list[tuple[float, float]],
+) -> None:
+    arm, traces, tiles = (
+        ArmFeatures(LIMITS, trace_decay=0.9),
+        HistoryTraces(0.9),
+        TileCoder(4, 100, memory=2048),
+    )
+    assert (arm.size, arm.active, arm.coding.apart) == (2049, 101.0, (2048,))
     for positions in journey:
-        values = np.full(len(signals.names), np.nan)
-        values[[signals.names.index(f"j{i}.position") for i in range(2)]] = positions
-        features = coding.encode(program.evaluate(values))
-        assert features.tolist() == before.features(positions).tolist()
+        scaled = zip(positions, LIMITS, strict=True)
+        angles = [min(max((x - low) / (high - low), 0.0), 1.0) for x, (low, high) in scaled]
+        expected = tiles.encode(angles + traces.step(angles))
+        assert arm.features(positions).tolist() == [*expected.tolist(), 2048]
 
 
 def test_the_second_layer_of_the_thesis_has_9397_features() -> None:

@@ -114,7 +114,8 @@ def test_a_config_that_does_not_exist_is_told_with_those_that_do() -> None:
     done = CliRunner().invoke(run, ["--no-view", "--config", "bentoo.toml"])
     assert (done.exit_code, done.stderr) == (
         1,
-        "bentod: there is no config file bentoo.toml (shipped: bento.toml, myo.toml, sim.toml, wrist.toml)\n",
+        "bentod: there is no config file bentoo.toml "
+        "(shipped: bento.toml, myo.toml, nexting.toml, sim.toml, wrist.toml)\n",
     )
 
 

@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 
 from bentod.contracts import Features
 from bentod.learn.confidence.uncertainty import Uncertainty
-from bentod.learn.true_online import TrueOnlineTD
+from bentod.learn.group import Group
+from bentod.learn.lazy_numpy import NumpyKernel
 from tests.learn.confidence.oracles import Experience, Vector, equation_6_5, equation_6_5_as_printed
 
 SIZE = 15
@@ -89,7 +90,7 @@ class World:
     """A signal that goes round in eight places, with features of their own and some that they share."""
 
     def __init__(self) -> None:
-        self.learner = TrueOnlineTD(60, [0.0], 0.8, 0.9, 0.3 / 5)
+        self.learner = Group(np.zeros((60, 1)), np.zeros(1), "true_online", 0.3 / 5, NumpyKernel())
         self.uncertainty = Uncertainty(60, np.array([np.nan]))
         self.signal = np.array([0.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.0, 1.0])
         self.before: Features | None = None
@@ -104,7 +105,7 @@ class World:
     def visit(self, place: int) -> float:
         features = np.unique([5 * place, 5 * place + 1, 5 * place + 2, 50 + place // 2, 55 + place // 4])
         reward = 0.2 * self.signal[place]
-        prediction = float(self.learner.step(features, [reward])[0])
+        prediction = float(self.learner.step(features, np.array([reward]), 0.8, 0.9)[0])
         # The error is told as learners tell it: of the prediction before, and the one here before learning.
         delta = reward + 0.8 * prediction - self.guess
         _, c = self.uncertainty.step(self.before, np.array([delta]), features, np.array([reward]))

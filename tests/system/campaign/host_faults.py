@@ -2,18 +2,16 @@
 
 import asyncio
 import socket
-from collections.abc import Sequence
 from unittest import mock
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bentod.client import Client
-from bentod.contracts import Features
+from bentod.contracts import Features, Vector
 from bentod.endpoint import RpcError
-from bentod.frames import Prediction
+from bentod.learn.group import Group
 from bentod.learn.horde import Horde
-from bentod.learn.true_online import TrueOnlineTD
 from bentod.messages import encode_request
 from bentod.mind import Mind
 from sim.clock import EPOCH, VirtualClock
@@ -96,7 +94,7 @@ async def wall_clock_jumps(rig: Rig) -> None:
 
 
 async def learner_raises(rig: Rig) -> None:
-    def step(*_: object) -> tuple[Prediction, ...]:
+    def step(*_: object) -> None:
         raise ArithmeticError("singular")
 
     rig.lifted.enter_context(mock.patch.object(Horde, "step", step))
@@ -104,16 +102,16 @@ async def learner_raises(rig: Rig) -> None:
 
 async def learner_diverges(rig: Rig) -> None:
     """The weights of all learners grow in each step, until they are no numbers any more."""
-    step = TrueOnlineTD.step
+    step = Group.step
 
-    def grow(td: TrueOnlineTD, features: Features, cumulants: Sequence[float]) -> NDArray[np.float64]:
+    def grow(
+        group: Group, features: Features, cumulants: NDArray[np.float64], gamma: float, lam: float
+    ) -> Vector:
         with np.errstate(over="ignore", invalid="ignore"):
-            weights = td.weights.base
-            assert weights is not None
-            weights *= -1e60
-        return step(td, features, cumulants)
+            group._lazy.weights[:] *= -1e60
+        return step(group, features, cumulants, gamma, lam)
 
-    rig.lifted.enter_context(mock.patch.object(TrueOnlineTD, "step", grow))
+    rig.lifted.enter_context(mock.patch.object(Group, "step", grow))
 
 
 async def tick_breaks(rig: Rig) -> None:

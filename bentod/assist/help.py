@@ -1,0 +1,135 @@
+"""What helps with one group: an assist that can be exchanged in use, and is kept within its bounds."""
+
+import logging
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+from bentod.contracts_assist import Assist, Assistance, AssistSettings, OpenAssist, Situation
+from bentod.errors import BadRequest, ConfigError
+from bentod.frames import AssistFrame, JointSpec, Value, Velocity, Wishes
+
+_log = logging.getLogger(__name__)
+
+OFF = "off"
+
+_COMMON = {
+    "timescale": "timescale",
+    "k": "k",
+    "velocity_limit_rad_s": "velocity_limit",
+    "manual_after_toggle_s": "manual",
+}
+"""Settings that all assists have, by the names that clients and configs use."""
+
+
+class Help:
+    """Of one group. What an assist learns stays while another mode is in use."""
+
+    def __init__(
+        self,
+        group: str,
+        specs: Sequence[JointSpec],
+        rate_hz: float,
+        settings: AssistSettings,
+        open_assist: Callable[[str], OpenAssist],
+    ) -> None:
+        """It is off until `change` says another mode. `open_assist`: factories by mode."""
+        self.group = group
+        self.mode = OFF
+        self.settings = settings
+        self._specs = tuple(specs)
+        self._rate_hz = rate_hz
+        self._open = open_assist
+        self._opened: dict[str, Assist] = {}
+        self._assist: Assist | None = None
+        self._broken: dict[str, str] = {}
+
+    @property
+    def assist(self) -> Assist | None:
+        """What helps now; None while it is off or broken."""
+        return None if self.mode in self._broken else self._assist
+
+    def follows(self, timescales: Sequence[float]) -> Sequence[float]:
+        """Of the `timescales` (ticks) that are predicted, those that are needed before the write."""
+        if self._assist is None:
+            return []
+        return timescales if self._assist.needs_all() else [self.settings.timescale]
+
+    def wish(self, situation: Situation, obstacle: str = "") -> tuple[Wishes, AssistFrame]:
+        """What to ask in this tick, and what to tell of it. `obstacle`: why nothing may be asked."""
+        attended = "" if situation.attended is None else self._specs[situation.attended].name
+        reason = obstacle or self._broken.get(self.mode, "")
+        if reason:
+            return {}, AssistFrame(OFF, False, reason, attended, self.group)
+        if self._assist is None:
+            return {}, AssistFrame(OFF, False, "Assistance is switched off.", attended, self.group)
+        try:
+            helped = self._bounded(self._assist.wish(situation), situation)
+        except Exception as error:  # noqa: BLE001 -- whatever an assist does, the wearer's control goes on
+            helped = self._give_up(error)
+        return helped.wishes, AssistFrame(self.mode, helped.engaged, helped.reason, attended, self.group)
+
+    def toggled(self, now: float) -> None:
+        """The operator has selected another joint of the group (monotonic s)."""
+        for assist in self._opened.values():
+            assist.toggled(now)
+
+    def rewarded(self, reward: float) -> None:
+        """Somebody was pleased (above 0), or not (below 0)."""
+        if self.assist:
+            self.assist.rewarded(reward)
+
+    def change(self, changes: Mapping[str, Value]) -> None:
+        """Change some of what `describe` shows. Raises BadRequest: a value is none; nothing has changed."""
+        mode = str(changes.get("mode", self.mode))
+        settings = self._changed(changes)
+        assist = self._find(mode, settings)
+        if assist is not None:
+            assist.adjust(settings)
+        self.mode, self.settings, self._assist = mode, settings, assist
+        self._broken.pop(mode, None)
+
+    def describe(self) -> dict[str, Value]:
+        """The settings as clients see them, and what the assist has found out."""
+        common: dict[str, Value] = {key: getattr(self.settings, name) for key, name in _COMMON.items()}
+        told = dict(self._assist.told()) if self._assist else {}
+        options = dict[str, Value](self.settings.options)
+        return {"mode": self.mode, "group": self.group, **common, "options": options, "told": told}
+
+    def _changed(self, changes: Mapping[str, Value]) -> AssistSettings:
+        given = {name: changes[key] for key, name in _COMMON.items() if key in changes}
+        numbers = {name: float(value) for name, value in given.items() if isinstance(value, int | float)}
+        options = changes.get("options", {})
+        if not isinstance(options, dict) or not all(isinstance(v, int | float) for v in options.values()):
+            raise BadRequest("options must be a table of numbers", "options")
+        same = changes.get("mode", self.mode) == self.mode
+        kept = self.settings.options if same else {}  # else they are another mode's
+        more = {name: float(value) for name, value in options.items() if isinstance(value, int | float)}
+        return replace(self.settings, **numbers, options={**kept, **more})
+
+    def _find(self, mode: str, settings: AssistSettings) -> Assist | None:
+        if mode == OFF:
+            return None
+        if mode not in self._opened:
+            try:
+                self._opened[mode] = self._open(mode)(self._specs, self._rate_hz, settings)
+            except ConfigError as error:
+                raise BadRequest(f"mode: {error}", "mode") from error
+        return self._opened[mode]
+
+    def _bounded(self, helped: Assistance, situation: Situation) -> Assistance:
+        """Only joints that the operator does not move, only while they move, only finite velocities."""
+        moved = set(situation.joints) - ({situation.attended} - {None})
+        moves = situation.attended is not None or (situation.together and situation.effort != 0)
+        allowed = {j: wish for j, wish in helped.wishes.items() if moves and j in moved and _finite(wish)}
+        return replace(helped, wishes=allowed, engaged=helped.engaged and moves)
+
+    def _give_up(self, error: Exception) -> Assistance:
+        _log.exception("the assist %s broke and is off", self.mode)
+        reason = f"The assist {self.mode} broke and is off: {type(error).__name__}: {error}"
+        self._broken[self.mode] = reason
+        return Assistance({}, False, reason)
+
+
+def _finite(wish: object) -> bool:
+    return isinstance(wish, Velocity) and math.isfinite(wish.velocity)

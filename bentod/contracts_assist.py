@@ -1,0 +1,133 @@
+"""What the daemon expects of assists: what they are told, and what they may ask for."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol, TypeAlias
+
+from bentod.errors import BadRequest
+from bentod.frames import JointSpec, State, Value, Wishes
+
+
+class Outlook(Protocol):
+    """What is expected of the near future, as far as it was learned in this tick."""
+
+    def position(self, joint: int, timescale: float) -> float:
+        """Where a joint is expected (rad), `timescale` ticks ahead; NaN if nobody said in this tick."""
+        ...
+
+    def confidence(self, joint: int, timescale: float) -> float:
+        """C of that prediction, up to 1; 0 or less: none; NaN where nobody estimates it."""
+        ...
+
+    def surprise(self, joint: int, timescale: float) -> float:
+        """Z of that prediction; NaN where nobody estimates it."""
+        ...
+
+    def familiarity(self) -> float:
+        """How well the learners know a state like this one, 0..1; NaN where nobody counts."""
+        ...
+
+    def answer(self, name: str) -> float:
+        """The prediction of any general value function, by name; NaN if it was not made in this tick."""
+        ...
+
+    @property
+    def timescales(self) -> tuple[float, ...]:
+        """Those (ticks) at which the joints' positions are predicted, ascending."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """What an assist is told of one tick. Everything in it can be had again from a recording."""
+
+    time: float  # monotonic s
+    rate_hz: float
+    joints: tuple[int, ...]  # of the group
+    active: int  # the joint that is selected
+    attended: int | None  # the joint of the group that the operator is moving; None: none
+    effort: float  # -1..1, what the operator asks of what is selected
+    together: bool  # the operator has selected all joints of the group at once
+    state: State
+    outlook: Outlook
+
+
+@dataclass(frozen=True, slots=True)
+class Assistance:
+    """What an assist asks for in one tick, and why: a sentence that a wearer understands."""
+
+    wishes: Wishes
+    engaged: bool
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class AssistSettings:
+    """What all assists have in common, and what belongs to one of them."""
+
+    timescale: float = 20.0  # ticks; which prediction to follow
+    k: float = 0.025  # share of the way a tick, 0 < k < 1
+    velocity_limit: float = 10.0  # rad/s; a joint's own maximum holds as well
+    manual: float = 0.5  # s without assistance after a toggle
+    options: Mapping[str, float] = field(default_factory=dict)  # the assist's own
+
+    def __post_init__(self) -> None:
+        bounds = {
+            "timescale": (1 <= self.timescale < math.inf, "at least 1 tick"),
+            "k": (0 < self.k < 1, "above 0 and below 1"),
+            "velocity_limit": (0 < self.velocity_limit < math.inf, "above 0 rad/s"),
+            "manual": (0 <= self.manual < math.inf, "at least 0 s"),
+        }
+        for name, (holds, bound) in bounds.items():
+            if not holds:
+                raise BadRequest(f"The assistance's {name} must be {bound}, not {getattr(self, name)}.", name)
+
+
+class Assist(Protocol):
+    """Helps with the joints of a group. No clock, no input or output: the same again in every replay.
+
+    `bentod.assists` is the group of entry points for assists from outside: a factory `OpenAssist`. Whatever
+    an assist asks for, it is only given joints of its group that the operator is not moving, only while the
+    operator moves (or pushes all of them together), and only finite velocities within the limits.
+    """
+
+    def wish(self, situation: Situation) -> Assistance:
+        """What to ask of the joints of the group in this tick; called in every tick."""
+        ...
+
+    def adjust(self, settings: AssistSettings) -> None:
+        """Go on with other settings. Raises BadRequest: one is out of its bounds; nothing has changed."""
+        ...
+
+    def toggled(self, now: float) -> None:
+        """The operator has selected another joint (monotonic s)."""
+        ...
+
+    def rewarded(self, reward: float) -> None:
+        """Somebody was pleased (above 0) or not (below 0) with what the arm did."""
+        ...
+
+    def order(self, situation: Situation) -> tuple[int, ...] | None:
+        """In which order joints are to be selected by the toggles to come; None: as the config lists them."""
+        ...
+
+    def needs_all(self) -> bool:
+        """Whether it looks at all timescales, and not only at that of its settings."""
+        ...
+
+    def offers_together(self) -> bool:
+        """Whether all joints at once may be selected now, as one more entry of the toggle list."""
+        ...
+
+    def told(self) -> Mapping[str, Value]:
+        """What the assist has found out, for whoever asks how it goes."""
+        ...
+
+
+OpenAssist: TypeAlias = Callable[[Sequence[JointSpec], float, AssistSettings], Assist]
+"""How an assist is made, for joints and a rate (Hz).
+
+Raises:
+    BadRequest: a setting or option is out of its bounds, or unknown; `field` is its name.
+"""
