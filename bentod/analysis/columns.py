@@ -103,7 +103,12 @@ class TickColumns:
         self._timescales = _union(joint.predictions for joint in seen)
         self._sites = _union(frame.emg.effort for frame in examples)
         self._groups = _union([group.name for group in frame.groups] for frame in examples)
-        self._known = frozenset((*self._sources, *self._timescales, *self._sites))
+        asked = _union(frame.learn.surprise for frame in examples)  # the errors come only after a while
+        self._gvfs = dict.fromkeys(("confidence", "surprise", "error"), asked)
+        for told in ("predictions", "familiarity"):
+            self._gvfs[told] = _union(getattr(frame.learn, told) for frame in examples)
+        gvfs = _union(self._gvfs.values())
+        self._known = frozenset((*self._sources, *self._timescales, *self._sites, *gvfs))
         self._joints = tuple(joints)
         self._texts: dict[tuple[str, ...], str] = {}
         self.columns = tuple(self._columns())
@@ -116,6 +121,10 @@ class TickColumns:
             found += _leaves(GroupFrame, words.GROUP, f"group.{group}.")
             found.append(_column(f"group.{group}.joints", "text", words.JOINTS_OF_GROUP))
         found += [*_leaves(AssistFrame, words.ASSIST, "assist."), *_leaves(GoalFrame, words.GOAL, "goal.")]
+        found.append(_column("more_assists", "text", words.MORE_ASSISTS))
+        found.append(_column("learn.older", "text", words.OLDER))
+        for told, keys in self._gvfs.items():
+            found += _named(f"learn.{told}.", keys, words.LEARN[told])
         for joint in self._joints:
             found += self._columns_of(f"joint.{joint}." if joint in RESERVED else f"{joint}.")
         return [*found, _column("meta", "text", words.META), _column("other", "text", words.OTHER)]
@@ -139,6 +148,11 @@ class TickColumns:
         cells += self._group_cells(frames, other)
         cells += _cells(AssistFrame, [frame.assist for frame in frames])
         cells += _cells(GoalFrame, [frame.goal for frame in frames])
+        cells.append([as_json(frame.more_assists) if frame.more_assists else "" for frame in frames])
+        cells.append([as_json(frame.learn.older) if frame.learn.older else "" for frame in frames])
+        for told, keys in self._gvfs.items():
+            found = [getattr(frame.learn, told) for frame in frames]
+            cells += self._by_key(f"learn.{told}", found, keys, other)
         for joint in zip(*(frame.joints for frame in frames), strict=True):
             cells += self._joint_cells(joint, other)
         cells.append([_NULL if frame.meta is None else as_json(frame.meta) for frame in frames])
@@ -198,7 +212,7 @@ def _union(keys: Iterable[Iterable[str]]) -> tuple[str, ...]:
 _KINDS: Mapping[object, Kind] = {float: "float", int: "int", bool: "bool"}
 _NESTED = frozenset(
     {"costs", "joints", "emg", "groups", "assist", "goal", "meta", "trial", "effort"}
-    | {"errors", "stop", "asked", "sent", "predictions"}
+    | {"errors", "stop", "asked", "sent", "predictions", "learn", "more_assists"}
 )
 """Fields that are not one value and have columns of another form."""
 

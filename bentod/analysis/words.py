@@ -68,6 +68,7 @@ GROUP = {
     "active": Word("", "the joint that the operator attends to"),
     "effort": Word("", "what the operator asks of the active joint, −1..1, as a share of its top speed"),
     "operator": Word("", "who drives the group"),
+    "together": Word("", "whether all its joints at once are selected"),
 }
 
 ASSIST = {
@@ -75,6 +76,19 @@ ASSIST = {
     "engaged": Word("", "whether it moves or would move a joint"),
     "reason": Word("", "why it does or does not"),
     "attended": Word("", "the joint that the operator is moving, as the assist sees it"),
+    "group": Word("", "the group that it helps with"),
+}
+
+MORE_ASSISTS = Word("", "JSON of the assists of further groups; empty if there are none")
+
+OLDER = Word("", "JSON of the ticks since predictions were made that are not of this one; empty as a rule")
+
+LEARN = {
+    "predictions": Word("", "what a general value function of one's own predicts, in its cumulant's unit"),
+    "confidence": Word("", "C of a prediction: none at 0, all at 1"),
+    "surprise": Word("", "Z of a prediction: its recent errors beside their usual spread"),
+    "error": Word("", "running RMSE of a prediction against the return, in its cumulant's unit"),
+    "familiarity": Word("", "how well a state is known by a representation, 0..1"),
 }
 
 GOAL = {

@@ -94,7 +94,10 @@ def lines(found: Comparison) -> list[str]:
     told.append(f"The assist was engaged in {found.engaged[0]} ticks live and in {found.engaged[1]} now.")
     if found.errors:
         told += ["", f"{'root mean square error, rad':32} {'steps':>6} {'live':>10} {'now':>10}"]
-    return told + [f"{e.joint:32} {e.timescale:>6} {e.live:10.4f} {e.again:10.4f}" for e in found.errors]
+    told += [f"{e.joint:32} {e.timescale:>6} {e.live:10.4f} {e.again:10.4f}" for e in found.errors]
+    if found.gvfs:
+        told += ["", f"{'running error of other GVFs':39} {'live':>10} {'now':>10}"]
+    return told + [f"{e.name:39} {e.live:10.4g} {e.again:10.4g}" for e in found.gvfs]
 
 
 async def _play(

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,15 @@ class Error:
     again: float  # rad, root mean square
 
 
+@dataclass(frozen=True, slots=True)
+class GvfError:
+    """How wrong one of the users' own GVFs was, as it reckons itself at the end of the recording."""
+
+    name: str
+    live: float  # running RMSE against the return, in the cumulant's unit; NaN if it was not known
+    again: float
+
+
 @dataclass(slots=True)
 class Comparison:
     """Of a whole recording, tick by tick."""
@@ -34,20 +44,29 @@ class Comparison:
     engaged: tuple[int, int] = (0, 0)
     """Ticks in which the assist was engaged: live, and again."""
     errors: list[Error] = field(default_factory=list)
+    gvfs: list[GvfError] = field(default_factory=list)
 
 
 def compared(recorded: Iterable[Tick], relearner: Relearner) -> Comparison:
     """Learn again from every tick and compare."""
     found = Comparison()
     live, again = _Series(), _Series()
+    last: tuple[Frame, Frame] | None = None
     for tick in recorded:
         frame = relearner.step(tick)
         _count(found, tick.frame, frame)
         live.take(tick.frame)
         again.take(frame)
+        last = tick.frame, frame
+    found.gvfs = _own(*last) if last else []
     errors = again.errors()
     found.errors = [Error(*key, error, errors[key]) for key, error in live.errors().items() if key in errors]
     return found
+
+
+def _own(live: Frame, again: Frame) -> list[GvfError]:
+    told, now = live.learn.error, again.learn.error
+    return [GvfError(name, told.get(name, nan), now.get(name, nan)) for name in again.learn.predictions]
 
 
 def _count(found: Comparison, live: Frame, again: Frame) -> None:

@@ -1,6 +1,7 @@
 """One combination of a sweep thought through: a recording learned from with other parameters."""
 
 from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
 
 from bentod.errors import BentodError
@@ -31,4 +32,6 @@ def thought(file: Path, point: Point) -> Outcome:
 
 
 def _measures(found: Comparison) -> tuple[Measure, ...]:
-    return tuple(Measure(f"{e.joint}@{e.timescale}", e.live, e.again) for e in found.errors)
+    joints = [Measure(f"{e.joint}@{e.timescale}", e.live, e.again) for e in found.errors]
+    own = [Measure(e.name, e.live, e.again) for e in found.gvfs if isfinite(e.live + e.again)]
+    return (*joints, *own)
