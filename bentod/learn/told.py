@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import asdict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,8 +56,15 @@ class Teller:
         }
         known = {key: column.tolist() for key, column in columns.items() if column is not None}
         for column, place in enumerate(unit.places.tolist()):
-            asked = plain(self._horde.questions[place])
-            yield place, asked | {key: _number(values[column]) for key, values in known.items()}
+            question = self._horde.questions[place]
+            numbers = {key: _number(values[column]) for key, values in known.items()}
+            yield place, plain(question) | numbers | {"visits": self._visits(question.representation)}
+
+    def _visits(self, representation: str) -> dict[str, Value]:
+        """What is known of the state that the arm is in; empty where nobody counts."""
+        visit = self._horde.encoders[representation].visit
+        told = asdict(visit) if visit else {}
+        return {key: _number(float(value)) for key, value in told.items()}
 
     def _familiarity(self) -> dict[str, float]:
         visits = {name: encoder.visit for name, encoder in self._horde.encoders.items()}

@@ -27,11 +27,15 @@ def run(jobs: int, work: Work, tried: Sequence[Point], told: Told) -> list[Outco
         left = list(tried)
         while left and _broken(work, left, jobs, take):
             left = [point for point in tried if point.place not in found]
-            for point in left[:jobs]:  # they begin in order, so these were under way
-                if why := _broken(work, [point], 1, take):
-                    take(Outcome(point, failed=f"its process died: {why}"))
+            _one_by_one(work, left[:jobs], take)  # they begin in order, so these were under way
             left = [point for point in tried if point.place not in found]
     return [found[point.place] for point in tried]
+
+
+def _one_by_one(work: Work, tried: Sequence[Point], take: Told) -> None:
+    for point in tried:
+        if why := _broken(work, [point], 1, take):
+            take(Outcome(point, failed=f"its process died: {why}"))
 
 
 def _broken(work: Work, tried: Sequence[Point], jobs: int, take: Told) -> str:
