@@ -10,12 +10,13 @@ from bentod.control.groups import Group, Groups
 from bentod.control.guard import Guard
 from bentod.control.health import Ladder
 from bentod.control.journal import Journal
+from bentod.control.leases import Holder
 from bentod.control.limiter import Limiter
 from bentod.control.modes import Modes
 from bentod.control.operators import Asked, Operators
 from bentod.control.recency import Recency
 from bentod.control.trials import Trials
-from bentod.frames import EmgFrame, GroupFrame, JointSpec, State, Value, Velocity, Wishes
+from bentod.frames import EmgFrame, GroupFrame, JointSpec, Mode, State, Value, Velocity, Wishes
 from bentod.learn.horde import HasTime
 from bentod.learn.signals import Percept
 from bentod.mind import Mind
@@ -142,14 +143,19 @@ class ArmState:
         self.fault(reason)
 
     def operate(self, asked: Mapping[str, Asked]) -> dict[str, Wishes]:
-        """What each operator may have of what they ask; that ends a goal that they may disturb."""
-        taken = [group.name for group in self.groups if self.clients.holder(group.active)]
+        """What each operator may have of what they ask; that ends a goal that they may disturb.
+
+        Who pushes all joints of a group at once asks it of the group's assist, not of a joint.
+        """
+        self._withdraw()
+        taken = [group.name for group in self.groups if self._client(group)]
         wishes: dict[str, Wishes] = {}
         for name, granted in self._operators.decide(asked, taken, self.now).items():
             for group in granted.toggles:
                 self._toggle(self.groups.group(group), 1, "the wearer")
-            wishes[name] = self.groups.wishes(granted.efforts)
-            if wishes[name] or granted.toggles:
+            efforts = {group: it for group, it in granted.efforts.items() if self._operators.driver(group)}
+            wishes[name] = self.groups.wishes(efforts)
+            if granted.toggles or any(efforts.values()):
                 self.goals.disturb("the wearer moved")
         return wishes
 
@@ -167,18 +173,38 @@ class ArmState:
             )
 
     def driver(self, group: Group) -> tuple[str, float]:
-        """Who drives a group, and what they ask of its active joint (-1..1)."""
-        client = self.clients.holder(group.active)
+        """Who drives a group, and what they ask (-1..1) of its active joint, or of all of its joints."""
+        client = self._client(group)
         if client is None:
             return self._operators.driver(group.name), self._operators.effort(group.name)
+        if push := self.clients.pusher(group.name):
+            return f"client:{client.client}", push.wish.effort
         wish = self.clients.wishes()[group.active]
         top = self.specs[group.active].max_velocity
         return f"client:{client.client}", wish.velocity / top if isinstance(wish, Velocity) else 0.0
 
+    def _client(self, group: Group) -> Holder | None:
+        """The client that drives a group."""
+        if group.together:
+            push = self.clients.pusher(group.name)
+            return push.holder if push else None
+        return self.clients.holder(group.active)
+
     def _group_frame(self, group: Group) -> GroupFrame:
+        """Joints that cannot all move are not pushed: what is left of the path would be another one."""
         operator, effort = self.driver(group)
+        if group.together and any(self.modes.of(joint) is not Mode.ACTIVE for joint in group.joints):
+            effort = 0.0
         names = tuple(self.specs[joint].name for joint in group.joints)
-        return GroupFrame(group.name, names, self.specs[group.active].name, effort, operator)
+        active = self.specs[group.active].name
+        return GroupFrame(group.name, names, active, effort, operator, group.together)
+
+    def _withdraw(self) -> None:
+        """Fall back to one joint where all at once are no longer to be had: the assist has lost the way."""
+        for group in self.groups:
+            if group.together and not self.mind.offers_together(group.name):
+                group.together = False
+                self._switched(group, "the assist, no longer sure of the way,", rest=True)
 
     def _suspend_operators(self, joints: Sequence[int]) -> None:
         """Whoever contracts while `joints` are released must rest once before they move any of them."""
@@ -187,17 +213,21 @@ class ArmState:
                 self._operators.suspend(group.name)
 
     def _toggle(self, group: Group, steps: int, who: str) -> Group:
-        group.toggle(steps)
-        self._switched(group, who)
+        before = group.together
+        group.toggle(steps, self.mind.order(group.name), self.mind.offers_together(group.name))
+        self._switched(group, who, rest=group.together is not before)
         return group
 
-    def _switched(self, group: Group, who: str) -> None:
+    def _switched(self, group: Group, who: str, rest: bool) -> None:
+        """`rest`: who pushed all joints and now has one, or the reverse, must rest once before going on."""
         name = self.specs[group.active].name
         self.clients.drop_group(group.name)
+        if rest:
+            self._operators.suspend(group.name)
         self.mind.toggled(group.name, self.now)
-        self.journal.note(
-            "group", f"{who} switched {group.name} to {name}", {"group": group.name, "active": name}
-        )
+        what = "all joints together" if group.together else name
+        data: dict[str, Value] = {"group": group.name, "active": name, "together": group.together}
+        self.journal.note("group", f"{who} switched {group.name} to {what}", data)
 
     def _names(self, joints: Sequence[int]) -> str:
         whole = len(joints) == len(self.specs)

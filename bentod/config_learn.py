@@ -84,13 +84,34 @@ class Gvf(Table):
     """How many past weight vectors tell how far it has converged; 0 keeps none."""
     variance: bool = False
     """Whether a companion "<name>.variance" learns the variance of the λ-return."""
+    adviser: Name | None = None
+    """Whose answer to the question of the same name is the initial guess; `initial` then counts nothing."""
 
     @model_validator(mode="after")
     def _one_horizon(self) -> Self:
         given = [self.timescale, self.timescale_s, self.gamma]
         if sum(value is not None for value in given) != 1:
             raise ValueError("needs exactly one of timescale (ticks), timescale_s and gamma")
+        if self.interval == 1:
+            raise ValueError("interval: it takes 2 past weight vectors at least, or 0 for none")
         return self
+
+    @model_validator(mode="after")
+    def _an_interval_of_several(self) -> Self:
+        if self.interval == 1:
+            raise ValueError("interval = 1: one weight vector makes no interval; give it 2 to 100, or 0")
+        if self.interval and self.adviser:
+            raise ValueError("interval: is of weights alone, to which an adviser's answer would be missing")
+        return self
+
+
+class AdviserTable(Table):
+    """What was learned elsewhere, and gives advice here without learning any more (thesis 4.6.1)."""
+
+    name: Name
+    snapshot: Path
+    digest: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")] = ""
+    """SHA-256 that `bentod learn show` tells; given, no other snapshot is taken. A recording gives it."""
 
 
 class SnapshotTable(Table):
@@ -108,6 +129,8 @@ class Learn(Table):
     """Whose angles and history the representation "arm" is made of."""
     predict: tuple[Name, ...] = ()
     timescales: Annotated[tuple[Timescale, ...], Field(min_length=1)] = (20.0,)
+    representation: Name = ARM
+    """What the joints' positions at `timescales`, which assists follow, are predicted from."""
     tilings: Annotated[int, Field(ge=1, le=1024)] = 100
     memory: Annotated[int, Field(ge=16, le=1 << 20)] = 2048
     trace_decay: Annotated[float, Field(ge=0, lt=1)] = 0.99
@@ -123,6 +146,18 @@ class Learn(Table):
     representations: Annotated[tuple[RepresentationTable, ...], Field(max_length=64)] = ()
     gvfs: Annotated[tuple[Gvf, ...], Field(max_length=4096)] = ()
     snapshot: SnapshotTable | None = None
+    advisers: Annotated[tuple[AdviserTable, ...], Field(max_length=8)] = ()
+    """Whose answers `advice("name", "question")` are."""
+    adviser: Name | None = None
+    """Whose answers to the questions about `joints` are where those begin."""
+
+    def of(self, digests: Mapping[str, str]) -> Self:
+        """The same, and of these snapshots only: each adviser's by its whole path and its digest."""
+        pinned = tuple(
+            table.model_copy(update={"snapshot": table.snapshot.absolute(), "digest": digests[table.name]})
+            for table in self.advisers
+        )
+        return self.model_copy(update={"advisers": pinned})
 
     @model_validator(mode="after")
     def _something(self) -> Self:
@@ -130,4 +165,11 @@ class Learn(Table):
             raise ValueError("needs joints to predict from, or gvfs")
         if self.predict and not self.joints:
             raise ValueError("predict: needs joints to predict from")
+        if self.representation != ARM and not self.joints:
+            raise ValueError("representation: needs joints, whose positions are predicted from it")
+        if self.adviser and not self.joints:
+            raise ValueError("adviser: needs joints, about whose positions it is asked")
+        names = [adviser.name for adviser in self.advisers]
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise ValueError(f"advisers: the name '{twice[0]}' stands {names.count(twice[0])} times")
         return self

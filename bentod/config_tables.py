@@ -153,14 +153,18 @@ class Emg(Table):
 
 
 class Assist(Table):
-    """What helps with the joints of a group: a mode of `bentod.registry.ASSISTS`, or off."""
+    """What helps with the joints of a group: a mode of `bentod.registry.ASSISTS`, several with +, or off."""
 
-    mode: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_-]{0,31}$")] = "dpcc"
+    mode: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_-]{0,31}(\+[a-z][a-z0-9_-]{0,31}){0,3}$")] = "dpcc"
     group: Name
     timescale: Annotated[float, Field(gt=1, le=10_000)] = 20.0
     k: Annotated[float, Field(gt=0, lt=1)] = 0.025
     velocity_limit_rad_s: Annotated[float, Field(gt=0, le=10)] = 10.0
     manual_after_toggle_s: Annotated[float, Field(ge=0, le=10)] = 0.5
+    timescale_by: Literal["fixed", "sarsa", "blend", "state"] = "fixed"
+    """Whether the assist follows `timescale`, or one that is found by reward (thesis 6.3): docs/assist.md."""
+    toggle_reward: Annotated[float, Field(ge=-10, le=10)] = -1.0
+    contact_reward: Annotated[float, Field(ge=-10, le=10)] = -1.0
     options: Mapping[str, Annotated[float, Field(ge=-1e6, le=1e6)]] = {}
     """The mode's own parameters."""
 

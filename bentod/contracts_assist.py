@@ -3,10 +3,13 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, runtime_checkable
 
 from bentod.errors import BadRequest
 from bentod.frames import JointSpec, State, Value, Wishes
+
+TOGETHER = -1
+"""In an order of joints: all of them at once."""
 
 
 class Outlook(Protocol):
@@ -51,6 +54,7 @@ class Situation:
     together: bool  # the operator has selected all joints of the group at once
     state: State
     outlook: Outlook
+    group: str = ""  # its name
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +66,13 @@ class Assistance:
     reason: str
 
 
+TIMESCALE_BY = ("fixed", "sarsa", "blend", "state")
+"""Ways to find how far an assist looks ahead (thesis 6.3)."""
+
+MOST_REWARD = 10.0
+"""Of one reward, either way."""
+
+
 @dataclass(frozen=True, slots=True)
 class AssistSettings:
     """What all assists have in common, and what belongs to one of them."""
@@ -71,6 +82,9 @@ class AssistSettings:
     velocity_limit: float = 10.0  # rad/s; a joint's own maximum holds as well
     manual: float = 0.5  # s without assistance after a toggle
     options: Mapping[str, float] = field(default_factory=dict)  # the assist's own
+    timescale_by: str = "fixed"  # how another is found than `timescale`: "sarsa", "blend", "state"
+    toggle_reward: float = -1.0  # of each toggle, for what finds timescales
+    contact_reward: float = -1.0  # of each mark "contact" in a trial
 
     def __post_init__(self) -> None:
         bounds = {
@@ -78,6 +92,9 @@ class AssistSettings:
             "k": (0 < self.k < 1, "above 0 and below 1"),
             "velocity_limit": (0 < self.velocity_limit < math.inf, "above 0 rad/s"),
             "manual": (0 <= self.manual < math.inf, "at least 0 s"),
+            "timescale_by": (self.timescale_by in TIMESCALE_BY, f"one of {', '.join(TIMESCALE_BY)}"),
+            "toggle_reward": (abs(self.toggle_reward) <= MOST_REWARD, f"within ±{MOST_REWARD:g}"),
+            "contact_reward": (abs(self.contact_reward) <= MOST_REWARD, f"within ±{MOST_REWARD:g}"),
         }
         for name, (holds, bound) in bounds.items():
             if not holds:
@@ -109,7 +126,11 @@ class Assist(Protocol):
         ...
 
     def order(self, situation: Situation) -> tuple[int, ...] | None:
-        """In which order joints are to be selected by the toggles to come; None: as the config lists them."""
+        """In which order joints are to be selected by the toggles to come; None: as the config lists them.
+
+        The joint before those to come is the last, for the order is a ring. `TOGETHER` in it says where all
+        at once have their place, if they may be selected; left out, they come after the last.
+        """
         ...
 
     def needs_all(self) -> bool:
@@ -122,6 +143,18 @@ class Assist(Protocol):
 
     def told(self) -> Mapping[str, Value]:
         """What the assist has found out, for whoever asks how it goes."""
+        ...
+
+
+@runtime_checkable
+class Asking(Protocol):
+    """An assist that needs answers of its own, besides where joints will be."""
+
+    def asks(self, group: str, joints: Sequence[str]) -> tuple[Mapping[str, Value], ...]:
+        """Tables like those of `learn.gvfs`, about a group and its joints, by name.
+
+        They are asked while the assist is in use, and answered before it is called, from the next tick on.
+        """
         ...
 
 

@@ -19,7 +19,8 @@ from bentod.endpoint import default_socket_path
 from bentod.ensemble import Member, gather
 from bentod.furnish import about, furnished, mind_of
 from bentod.inbox import Inbox
-from bentod.learned import learned
+from bentod.learned import in_effect, learned
+from bentod.mind import Mind
 from bentod.publisher import Publisher
 from bentod.realtime import Upkeep
 from bentod.record.disk import Folder
@@ -76,7 +77,8 @@ class Daemon:
             room.injector = joints if isinstance(joints, FaultInjector) else None
             feed = await self._open_feed(stack)
             desk = furnished(self.config, joints.torque(), feed, mind)
-            recorder = stack.enter_context(self._recorder(carried)) if self.config.record.enabled else None
+            records = self.config.record.enabled
+            recorder = stack.enter_context(self._recorder(carried, mind)) if records else None
             room.recording = (lambda: described(recorder.status)) if recorder else None
             publisher = Publisher(room, server, self.supervisor, self.clock, recorder)
             room.commanded = publisher.commanded
@@ -158,10 +160,11 @@ class Daemon:
         source = await stack.enter_async_context(registry.open_emg(emg.source.name)(config, self.clock))
         return Feed(source, emg.stall_s)
 
-    def _recorder(self, carried: bytes) -> Recorder:
-        """`carried`: the snapshot that the learners go on with."""
+    def _recorder(self, carried: bytes, mind: Mind) -> Recorder:
+        """`carried`: the snapshot that the learners of `mind` go on with."""
         table = self.config.record
-        header = new_header(self.config, as_toml(self.config), self.config_file, self.clock, carried)
+        told = as_toml(in_effect(self.config, mind))
+        header = new_header(self.config, told, self.config_file, self.clock, carried)
         return Recorder(header, Folder(folder(table)), limits(table))
 
 

@@ -3,10 +3,17 @@
 from collections.abc import Mapping, Sequence
 
 from bentod.arm_state import ArmState, shortened
+from bentod.control.clients import Push
 from bentod.control.groups import Group
 from bentod.control.leases import Holder, Lease
 from bentod.errors import BadRequest, Refused, nearest
-from bentod.frames import Command, Mode, Stop, Value
+from bentod.frames import Command, Mode, Stop, Trial, Value
+
+ASKED_IN_MOTION = 100
+"""GVFs up to which others may come and go while the arm may move: about one tick's time."""
+
+ASKED_AT_ONCE = 1000
+"""GVFs that a family may have that is asked while nothing moves."""
 
 
 class Desk(ArmState):
@@ -107,10 +114,19 @@ class Desk(ArmState):
         self.goals.cancel(f"{holder.client} moved {self.specs[joint].name}", (joint,))
 
     def group_command(self, name: str, effort: float, holder: Holder, lease: float) -> Group:
-        """Move a group's active joint at `effort` (-1..1) for `lease` seconds. Raises as `move` does."""
+        """Move a group's active joint at `effort` (-1..1) for `lease` seconds. Raises as `move` does.
+
+        While all joints of the group are selected, that is how all of them are pushed (above 0) or pulled.
+        """
         group = self.groups.group(name)
         self.recency.require()
-        self._must_be_active(group.active)
+        for joint in group.joints if group.together else (group.active,):
+            self._must_be_active(joint)
+        if group.together:
+            push = Push(max(-1.0, min(1.0, effort)), group.joints)
+            self.clients.push(name, Lease(holder, push, self.now + self._lease(lease)))
+            self.goals.cancel(f"{holder.client} moved the group {name}", group.joints)
+            return group
         command = self.groups.wish(name, effort).get(group.active, Stop())
         self.clients.move(group.active, Lease(holder, command, self.now + self._lease(lease)), name)
         self.goals.cancel(f"{holder.client} moved the group {name}", (group.active,))
@@ -137,8 +153,7 @@ class Desk(ArmState):
         """
         self.recency.require()
         group = self.groups.activate(name, joint)
-        self._operators.suspend(name)
-        self._switched(group, who)
+        self._switched(group, who, rest=True)
         return group
 
     def go_home(self, joints: Sequence[int]) -> int:
@@ -175,6 +190,18 @@ class Desk(ArmState):
         group = self.mind.change(changes, group)
         self.journal.note("assist", f"assist of {group} changed", self.mind.describe(group))
 
+    def reward(self, reward: float, who: str, group: str | None = None) -> None:
+        """Somebody was pleased (above 0) or not (below 0) with a group, or (None) all. Raises BadRequest."""
+        self.mind.rewards.give(reward, group)
+        what = group or "the arm"
+        self.journal.note("reward", f"{who} gave {what} {reward:+g}", {"reward": reward, "group": group})
+
+    def mark_trial(self, mark: str) -> Trial:
+        """Note what happened in the trial; a "contact" is a reward, too. Raises Refused: none runs."""
+        trial = self.trials.mark(mark)
+        self.mind.rewards.marked(mark)
+        return trial
+
     def describe_gvfs(self) -> Value:
         """Every general value function as clients see it. Raises Refused: nothing learns."""
         return self.mind.describe_gvfs()
@@ -183,15 +210,16 @@ class Desk(ArmState):
         """Ask one more question about the future, or a family of them; returns their names.
 
         Raises:
-            Refused: nothing learns.
+            Refused: nothing learns, or so much that the arm, which may move, would have to wait.
             BadRequest: that cannot be asked.
         """
-        names = self.mind.add_gvf(table)
+        names = self.mind.add_gvf(table, self._must_bear_a_pause())
         self.journal.note("learn", f"GVF added: {shortened(names)}", {"added": table})
         return names
 
     def remove_gvfs(self, names: Sequence[str]) -> None:
-        """Ask no more. Raises Refused, or BadRequest: there is no such question, or it is needed."""
+        """Ask no more. Raises as `add_gvf` does, BadRequest: there is no such question, or it is needed."""
+        self._must_bear_a_pause()
         self.mind.learners.remove(names)
         self.journal.note("learn", f"GVF removed: {shortened(names)}", {"removed": list[Value](names)})
 
@@ -210,6 +238,24 @@ class Desk(ArmState):
         return self.groups.describe()
 
     # Names and bounds.
+
+    def _must_bear_a_pause(self) -> int:
+        """Changing what is asked takes long where much is asked: ticks are then missed.
+
+        Returns how many more may be asked at once. Raises Refused: the arm, which may move, would wait.
+        """
+        learners = self.mind.learners
+        asked = len(learners.horde.questions)
+        if not any(mode is Mode.ACTIVE for mode in map(self.modes.of, range(len(self.specs)))):
+            return ASKED_AT_ONCE
+        if asked > ASKED_IN_MOTION:
+            raise Refused(
+                f"{asked} GVFs are learned, and with more than {ASKED_IN_MOTION} a change holds up the tick: "
+                "pause the arm first"
+            )
+        if learners.changed:
+            raise Refused("GVFs came or went in this tick already, which takes time: ask again")
+        return max(ASKED_IN_MOTION - asked, 1)
 
     def select(self, joints: str | Sequence[str] | None) -> tuple[int, ...]:
         """Indices of one joint, several, or (None) all. Raises BadRequest: there is no such joint."""

@@ -206,6 +206,8 @@ class AssistFrame:
     reason: str
     attended: str = ""  # the joint of its group that the operator is moving, by name; empty when none is
     group: str = ""  # which it helps with
+    moving: Mapping[str, float] = field(default_factory=dict)  # rad/s, what it asks of joints, by name
+    offers_together: bool = False  # all joints at once may be selected now
 
 
 @dataclass(frozen=True, slots=True)
@@ -285,6 +287,6 @@ class Event:
     """Something that happened once."""
 
     time: float  # monotonic s
-    kind: str  # "mode", "fault", "group", "goal", "emg", "servo", "client", "late", "learn", "diverged"
+    kind: str  # "mode", "fault", "group", "goal", "emg", "servo", "late", "learn", "diverged", "reward" …
     text: str  # a sentence
     data: Mapping[str, Value]

@@ -4,6 +4,7 @@ import logging
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from bentod.config import Config
 from bentod.config_learn import SnapshotTable
 from bentod.contracts import Clock
 from bentod.frames import Value
+from bentod.known import Known
 from bentod.learn.horde import Horde
 from bentod.learn.keeper import Keeper, resume
 from bentod.learn.predictor import Predictor
@@ -36,11 +38,11 @@ class Learned:
         self._arm = arm
         self._clock = clock
         self._copying: _Copy | None = None
+        self._spoilt = False
 
     def chore(self, now: float) -> None:
         """Copy one part of what is to be kept, if something is: a unit a tick, each as of one moment."""
-        for sentence in self._keeper.take_events():
-            _log.warning("%s", sentence)
+        self._tell()
         if self._mind.broken or not (self._copying or self._keeper.due(now)):
             return
         try:
@@ -48,19 +50,35 @@ class Learned:
         except MemoryError:
             self._copying = None
             _log.warning("There is no memory for a copy of what was learned; the next one is tried in time.")
+        except Exception:  # noqa: BLE001 -- a learner from outside may do anything; the arm goes on
+            self._copying = None
+            self._log_once()
 
     def close(self) -> None:
         """Keep what is known now, unless learning broke."""
-        if self._mind.broken:
-            self._keeper.close()
-            return
         tick = self._predictor.horde.answers.tick
-        self._keeper.close(taken(self._predictor, self._arm, self._clock.wall(), tick))
+        keeps = None if self._mind.broken else self._mind.known
+        try:
+            known = taken(keeps, self._arm, self._clock.wall(), tick) if keeps else None
+        except Exception:  # noqa: BLE001 -- what was kept before is better than nothing
+            known = None
+            self._log_once()
+        self._keeper.close(known)
+        self._tell()
+
+    def _log_once(self) -> None:
+        if not self._spoilt:
+            _log.exception("What was learned cannot be copied, and so is not kept.")
+        self._spoilt = True
+
+    def _tell(self) -> None:
+        for sentence in self._keeper.take_events():
+            _log.warning("%s", sentence)
 
     def _copy(self) -> None:
         """One part more, and when there is none any more have all of them written."""
         if self._copying is None or self._copying.horde is not self._predictor.horde:
-            self._copying = _Copy(self._predictor.horde)
+            self._copying = _Copy(self._predictor.horde, self._mind.known)
         if not self._copying.go_on():
             copied, self._copying = self._copying, None
             self._keeper.put(taken(copied, self._arm, self._clock.wall(), copied.horde.answers.tick))
@@ -69,9 +87,11 @@ class Learned:
 class _Copy:
     """The memory of a horde, copied part by part."""
 
-    def __init__(self, horde: Horde) -> None:
+    def __init__(self, horde: Horde, known: Known | None) -> None:
         self.horde = horde
-        self._parts: Iterator[Mapping[str, NDArray[np.float64]]] = horde.memories()
+        self._parts: Iterator[Mapping[str, NDArray[np.float64]]] = chain(
+            horde.memories(), known.beside() if known else ()
+        )
         self._arrays: dict[str, NDArray[np.float64]] = {}
 
     def go_on(self) -> bool:
@@ -110,7 +130,7 @@ def learned(
     if predictor is None or table is None or path is None:
         yield b"", lambda _: None
         return
-    goes_on = resume(path, predictor)
+    goes_on = resume(path, mind.known or predictor)
     _log.info("Learning goes on from %s" if goes_on else "Nothing is known yet; learning is kept in %s", path)
     carried = _carried(path) if goes_on else b""
     with Keeper(path, table.every_s) as keeper:
@@ -119,6 +139,13 @@ def learned(
             yield carried, kept.chore
         finally:
             kept.close()
+
+
+def in_effect(config: Config, mind: Mind) -> Config:
+    """The config as a recording tells it: with the very snapshots that its advisers were made of."""
+    if config.learn is None or mind.predictor is None:
+        return config
+    return config.model_copy(update={"learn": config.learn.of(mind.predictor.advice.digests)})
 
 
 def snapshot_path(table: SnapshotTable, name: str, environment: Mapping[str, str]) -> Path | None:

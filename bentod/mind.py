@@ -3,22 +3,26 @@
 import logging
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
-
-from pydantic import ValidationError
+from dataclasses import dataclass, replace
 
 from bentod import registry
+from bentod.assist.composite import combining
 from bentod.assist.help import OFF, Help
-from bentod.config_errors import explain
-from bentod.config_learn import Gvf, Learn
+from bentod.assist.rewards import Rewards
+from bentod.assist.timescales.choice import Choice
+from bentod.config_learn import ARM, Learn
 from bentod.config_tables import Assist
-from bentod.contracts_assist import AssistSettings, Situation
+from bentod.contracts_assist import AssistSettings, OpenAssist, Situation
 from bentod.control.groups import Groups
 from bentod.errors import BadRequest, ConfigError, Refused
 from bentod.frames import AssistFrame, Command, GroupFrame, JointSpec, LearnFrame, Value, Wishes
+from bentod.inquiry import Inquiry, gvf_of
+from bentod.known import Known
 from bentod.learn.horde import HasTime, unhurried
 from bentod.learn.predictor import Body, Predictor, position_at
+from bentod.learn.questions import MOST
 from bentod.learn.signals import Percept
+from bentod.learn.tiles import TileCoder
 from bentod.outlook import Expectation
 
 _log = logging.getLogger(__name__)
@@ -50,8 +54,13 @@ class Mind:
         learn: Learn | None = None,
         assists: Sequence[Assist] = (),
         sites: Sequence[str] = (),
+        open_assist: Callable[[str], OpenAssist] = registry.open_assist,
     ) -> None:
-        """`sites`: names of the muscle signals. Raises ConfigError: a question is not one."""
+        """`sites`: names of the muscle signals. `open_assist`: finds the assist of a mode.
+
+        Raises ConfigError: a question is not one.
+        """
+        self._open_assist = open_assist
         self.groups = groups
         self._names = tuple(spec.name for spec in specs)
         body = Body(
@@ -59,8 +68,16 @@ class Mind:
         )
         self._predictor = Predictor(body, learn) if learn else None
         self._timescales = learn.timescales if learn and learn.joints else ()
-        self._outlook = Expectation(self._predictor, self._names, self._timescales)
+        seen = learn.representation if learn else ARM
+        self._outlook = Expectation(self._predictor, self._names, self._timescales, seen)
+        self._inquiry = Inquiry(self._predictor)
+        self._situations: dict[str, Situation] = {}
+        self._seen = seen
         self._helps = tuple(self._help(specs, rate_hz, table) for table in assists)
+        self.rewards = Rewards(self._helps, [group.name for group in groups])
+        """Where somebody says that they were pleased with the arm, or not."""
+        self.known = Known(self._predictor, self._helps) if self._predictor else None
+        """What can be kept of all that is learned, if anything learns."""
         self._rate_hz = rate_hz
         self._broken = ""
         self.budget = learn.budget / rate_hz if learn else 0.0
@@ -103,6 +120,8 @@ class Mind:
             for timescale in help_.follows(self._timescales)
             for joint in self.groups.group(help_.group).joints
         ]
+        percept = replace(percept, rewards=self.rewards.take())
+        followed += [name for help_ in self._helps for name in self._inquiry.needed(help_.group)]
 
         def see(predictor: Predictor) -> None:
             predictor.see(percept)
@@ -131,6 +150,7 @@ class Mind:
         for help_ in self._helps:
             name = help_.group
             situation = self._situation(percept, told.get(name), name, attended.get(name))
+            self._situations[name] = situation
             asked, frame = help_.wish(situation, self._broken)
             wishes = {**asked, **wishes}
             frames.append(frame)
@@ -150,6 +170,7 @@ class Mind:
             together=told.together if told else False,
             state=percept.state,
             outlook=self._outlook,
+            group=name,
         )
 
     def _try(self, act: Callable[[Predictor], None]) -> None:
@@ -164,9 +185,16 @@ class Mind:
 
     def toggled(self, group: str, now: float) -> None:
         """The active joint of a group has changed."""
-        for help_ in self._helps:
-            if help_.group == group:
-                help_.toggled(now)
+        self.rewards.toggled(group, now)
+
+    def order(self, group: str) -> tuple[int, ...] | None:
+        """In which order toggles go through a group, as of the last tick; None: as the config lists it."""
+        situation = self._situations.get(group)
+        return self._find(group).order(situation) if situation else None
+
+    def offers_together(self, group: str) -> bool:
+        """Whether all joints of a group may be selected at once, as of the last tick."""
+        return any(help_.offers_together(self._broken) for help_ in self._helps if help_.group == group)
 
     def begun_anew(self) -> list[str]:
         """Questions whose learners diverged and began anew since the last call."""
@@ -176,19 +204,14 @@ class Mind:
         """Every question and how it is answered. Raises Refused: nothing learns."""
         return list[Value](self.learners.describe())
 
-    def add_gvf(self, table: Value) -> tuple[str, ...]:
-        """Ask what a table like those of `learn.gvfs` asks; returns the names of the questions.
+    def add_gvf(self, table: Value, most: int = MOST) -> tuple[str, ...]:
+        """Ask what a table like those of `learn.gvfs` asks, up to `most` questions; returns their names.
 
         Raises:
             Refused: nothing learns.
             BadRequest: it is not such a table, or cannot be asked.
         """
-        learners = self.learners
-        try:
-            gvf = Gvf.model_validate(table)
-        except ValidationError as error:
-            raise BadRequest("; ".join(explain(error, Gvf, ("gvf",))), "gvf") from error
-        return learners.add(gvf)
+        return self.learners.add(gvf_of(table), most=most)
 
     def predictions(self, joint: int) -> dict[str, float]:
         """The newest predictions of one joint's position (rad), by timescale in ticks."""
@@ -220,11 +243,18 @@ class Mind:
         if not isinstance(timescale, int | float) or timescale not in self._timescales:
             known = ", ".join(f"{t:g}" for t in self._timescales)
             word = f"{timescale:g}" if isinstance(timescale, int | float) else "such"
-            raise BadRequest(
-                f"nothing is predicted {word} steps ahead (timescales: {known})", "timescale"
-            )
+            raise BadRequest(f"nothing is predicted {word} steps ahead (timescales: {known})", "timescale")
+        before = help_.describe()
         help_.change(changes)
+        try:
+            self._inquiry.ask(help_, self._joints_of(help_.group))
+        except BadRequest:
+            help_.change(before)
+            raise
         return help_.group
+
+    def _joints_of(self, group: str) -> list[str]:
+        return [self._names[joint] for joint in self.groups.group(group).joints]
 
     def _find(self, group: str | None) -> Help:
         known = {help_.group: help_ for help_ in self._helps}
@@ -241,10 +271,21 @@ class Mind:
             velocity_limit=table.velocity_limit_rad_s,
             manual=table.manual_after_toggle_s,
             options=dict(table.options),
+            toggle_reward=table.toggle_reward,
+            contact_reward=table.contact_reward,
         )
-        help_ = Help(table.group, specs, rate_hz, settings, registry.open_assist)
+        joints = self.groups.group(table.group).joints
+        choice = Choice(table.group, specs, joints, rate_hz, self._timescales, _postures, self._seen)
+        help_ = Help(table.group, specs, rate_hz, settings, combining(self._open_assist), choice)
         try:
-            help_.change({"mode": table.mode, "options": dict[str, Value](table.options)})
+            options = dict[str, Value](table.options)
+            help_.change({"mode": table.mode, "timescale_by": table.timescale_by, "options": options})
+            self._inquiry.ask(help_, self._joints_of(table.group))
         except BadRequest as error:
             raise ConfigError(f"the assist of {table.group}: {error}") from error
         return help_
+
+
+def _postures(dimensions: int) -> TileCoder:
+    """What timescales are chosen from: eight tilings, a tile a quarter of each joint's range wide."""
+    return TileCoder(dimensions, tilings=8, width=0.25, memory=512)

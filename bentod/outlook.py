@@ -11,8 +11,14 @@ class Expectation:
     """The predictions of this tick; without learners nothing is expected."""
 
     def __init__(
-        self, predictor: Predictor | None, names: Sequence[str], timescales: Sequence[float]
+        self,
+        predictor: Predictor | None,
+        names: Sequence[str],
+        timescales: Sequence[float],
+        representation: str = ARM,
     ) -> None:
+        """`representation`: what the joints' positions are predicted from."""
+        self._representation = representation
         self._predictor = predictor
         self._names = tuple(names)
         self.timescales = tuple(sorted(timescales))
@@ -34,7 +40,7 @@ class Expectation:
 
     def familiarity(self) -> float:
         """As in `Outlook`."""
-        return self._predictor.familiarity(ARM) if self._predictor else math.nan
+        return self._predictor.familiarity(self._representation) if self._predictor else math.nan
 
     def answer(self, name: str) -> float:
         """As in `Outlook`."""

@@ -71,6 +71,10 @@ LEARNERS = {
 
 ASSISTS = {
     "dpcc": "bentod.assist.thesis:open_assist",
+    "effort": "bentod.assist.effort:open_assist",
+    "dpcc_confident": "bentod.assist.confident:open_assist",
+    "trajectory": "bentod.assist.trajectory:open_assist",
+    "adaptive_switching": "bentod.assist.adaptive_switching:open_assist",
 }
 
 ON_POLICY = frozenset({"true_online", "true_online_5", "tidbd", "autostep", "swifttd"})
@@ -87,6 +91,7 @@ COMMANDS = {
     "recording": "bentod.cli.recording:recording",
     "replay": "bentod.cli.replay:replay",
     "learn": "bentod.cli.learn:learn",
+    "teach": "bentod.cli.teach:teach",
     "lsl": "bentod.cli.lsl:lsl",
     "bench": "bentod.cli.bench:bench",
     "study": "sim.studies.command:study",

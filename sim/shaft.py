@@ -3,6 +3,12 @@
 from dataclasses import dataclass
 from math import copysign, inf, pi, sin
 
+GRASP = 40.0
+"""N m/rad, of a hand that leads it: assumed, as stiff as to overcome friction and gravity within 0.1 rad."""
+
+GRASP_DAMPING = 2.0
+"""N m s/rad, of the same hand: assumed, so that it does not swing."""
+
 
 @dataclass(frozen=True, slots=True)
 class Link:
@@ -34,6 +40,8 @@ class Shaft:
         self.stand = Stand()
         self.obstacle = inf
         """rad: it gets no farther than this, as fingers do around an object."""
+        self.guided: float | None = None
+        """rad, to where a person's hand leads it; None: nobody holds it."""
         self._inertia = armature + link.inertia
         self._coulomb = coulomb
 
@@ -46,6 +54,9 @@ class Shaft:
         link = self.link
         if link.gravity:
             torque += link.gravity * sin(link.rest - self.position)
+        if self.guided is not None:
+            torque += GRASP * (self.guided - self.position)
+            damping += GRASP_DAMPING
         momentum = self._inertia * self.velocity + dt * torque
         grip = dt * self._coulomb
         if self.stuck or self.stand.there or -grip <= momentum <= grip:

@@ -10,6 +10,7 @@ from bentod.cli.check import explain
 from bentod.client import Client
 from bentod.config_tables import Access
 from bentod.endpoint import RpcError
+from bentod.furnish import mind_of
 from bentod.hosts import LOOPBACK
 from tests.rig import PLAIN, joint, number, quiet_config, running, state, wait_for
 from tests.serve.doors import OBSERVER, OPERATOR, TLS, Files
@@ -83,7 +84,7 @@ async def test_the_configs_limits_hold_for_the_daemons_clients(socket: Path) -> 
 def test_a_config_explains_who_may_do_what(files: Files) -> None:
     access = Access(operators=("dialout",), observers=("students",))
     config = quiet_config().model_copy(update={"access": access, "tcp": files.tcp()})
-    told = "\n".join(explain(config))
+    told = "\n".join(explain(config, mind_of(config)))
     assert "It may be moved by the daemon's own user, root, the group dialout;" in told
     assert "looked at, and stopped, by the group students." in told
     assert "Over TCP, from this machine only: 127.0.0.1 port 0, for whoever has a token." in told

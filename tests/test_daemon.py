@@ -184,16 +184,17 @@ async def test_a_dead_emg_source_stops_the_arm_within_100_ms(socket: Path) -> No
 async def test_groups_are_driven_toggled_and_chosen_by_clients(socket: Path) -> None:
     async with running(quiet_config(PLAIN), socket) as arm:
         assert await arm.call("group_command", group="hand", effort=0.5, lease_s=0.5) == {
-            "active": "wrist_rotation"
+            "active": "wrist_rotation",
+            "together": False,
         }
         frame = await wait_for(arm, lambda f: number(joint(f, "wrist_rotation"), "velocity") > 0.4)
         assert joint(frame, "wrist_rotation")["sent"] == {
             "kind": "velocity",
             "velocity": pytest.approx(0.535),
         }
-        assert await arm.call("group_toggle", "hand") == {"active": "wrist_flexion"}
-        assert await arm.call("group_toggle", "hand", "backward") == {"active": "wrist_rotation"}
-        assert await arm.call("group_activate", "hand", "gripper") == {"active": "gripper"}
+        assert table(await arm.call("group_toggle", "hand"))["active"] == "wrist_flexion"
+        assert table(await arm.call("group_toggle", "hand", "backward"))["active"] == "wrist_rotation"
+        assert table(await arm.call("group_activate", "hand", "gripper"))["active"] == "gripper"
         listed = await arm.call("group_list")
         assert isinstance(listed, list)
         assert table(listed[1])["active"] == "gripper"

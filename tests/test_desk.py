@@ -2,15 +2,23 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
+import numpy as np
 import pytest
 
+from bentod.config_learn import Learn
+from bentod.contracts import Vector
+from bentod.control.groups import Groups
 from bentod.control.leases import Holder
 from bentod.control.operators import Asked
 from bentod.desk import Desk
 from bentod.errors import BadRequest, Refused
-from bentod.frames import Mode, Position, Velocity
-from tests.fakes import at, desk_of
+from bentod.frames import Mode, Position, Value, Velocity
+from bentod.learn.group import Group
+from bentod.mind import Mind
+from tests.fakes import PERIOD, SPECS, at, desk_of
+from tests.learn.predictors import NO_EMG
 
 SHOULDER, ELBOW = 0, 1
 ANN, BOB = Holder(1, "ann"), Holder(2, "bob")
@@ -308,8 +316,125 @@ def test_the_wearer_toggles_nothing_while_a_client_drives(desk: Desk) -> None:
 
 def test_groups_are_described_and_their_joints_chosen_by_name(desk: Desk) -> None:
     desk.activate("arm", "elbow", "ann")
-    assert desk.describe_groups() == [{"name": "arm", "joints": ["shoulder", "elbow"], "active": "elbow"}]
+    assert desk.describe_groups() == [
+        {"name": "arm", "joints": ["shoulder", "elbow"], "active": "elbow", "together": False}
+    ]
     with pytest.raises(BadRequest, match="has no joint 'gripper'"):
         desk.activate("arm", "gripper", "ann")
     with pytest.raises(BadRequest, match="there is no group 'leg'"):
         desk.toggle("leg", 1, "ann")
+
+
+SPEED: dict[str, Value] = {"name": "speed", "cumulant": "elbow.velocity", "timescale": 20}
+
+
+@pytest.fixture
+def learning() -> Desk:
+    """A desk whose mind has watched the arm for a while."""
+    groups = Groups(SPECS, {"arm": ["shoulder", "elbow"]})
+    desk = desk_of(mind=Mind(SPECS, 1 / PERIOD, groups, Learn(joints=("shoulder", "elbow"))))
+    for tick in range(5):
+        live(desk, tick)
+    desk.journal.take()
+    return desk
+
+
+def live(desk: Desk, tick: int) -> None:
+    state = at(0.01 * tick, 0.5, time=tick * PERIOD)
+    desk.watch(state, tick * PERIOD)
+    desk.mind.predict(desk.percept(tick, tick * PERIOD, False, state, NO_EMG))
+    desk.learn(lambda: True)
+
+
+def test_what_is_asked_begun_anew_and_forgotten_is_told_so_that_it_can_be_repeated(learning: Desk) -> None:
+    assert learning.add_gvf(SPEED) == ("speed",)
+    learning.reset_gvfs(["speed"])
+    learning.remove_gvfs(["speed"])
+    events = learning.journal.take()
+    assert [(event.kind, event.text) for event in events] == [
+        ("learn", "GVF added: speed"),
+        ("learn", "GVF reset: speed"),
+        ("learn", "GVF removed: speed"),
+    ]
+    assert [event.data for event in events] == [
+        {"added": SPEED},
+        {"reset": ["speed"]},
+        {"removed": ["speed"]},
+    ]
+
+
+def test_where_much_is_asked_the_arm_must_be_paused_before_more_is(learning: Desk) -> None:
+    many: dict[str, Value] = {
+        "name": "{cumulant}@{timescale}",
+        "cumulant": "*",
+        "timescale": [2, 3, 4, 5, 6, 7, 8, 9],
+    }
+    learning.add_gvf(many)
+    learning.pause((SHOULDER, ELBOW), False)
+    for ask in (lambda: learning.add_gvf(SPEED), lambda: learning.remove_gvfs(["shoulder.load@2"])):
+        with pytest.raises(Refused, match="pause the arm first"):
+            ask()
+    learning.pause(range(2), True)
+    learning.add_gvf(SPEED)
+
+
+def test_of_a_great_family_only_some_are_named(learning: Desk) -> None:
+    learning.add_gvf({"name": "{cumulant}", "cumulant": ["shoulder.*", "elbow.*"], "timescale": 5})
+    (text,) = told(learning, "learn")
+    assert text.startswith("GVF added: shoulder.position, shoulder.velocity, ")
+    assert text.endswith("elbow.load and 2 more")
+
+
+def test_what_is_refused_is_not_told(learning: Desk) -> None:
+    for ask, why in (
+        (lambda: learning.add_gvf({**SPEED, "cumulant": "nobody"}), "unknown name 'nobody'"),
+        (lambda: learning.add_gvf("speed"), "gvf"),
+        (lambda: learning.reset_gvfs(["nobody"]), "no GVF 'nobody'"),
+        (lambda: learning.remove_gvfs(["elbow.position@20"]), "is the arm's own"),
+    ):
+        with pytest.raises(BadRequest, match=why):
+            ask()
+    assert told(learning) == []
+
+
+def test_without_learners_nothing_can_be_asked(desk: Desk) -> None:
+    for ask in (desk.describe_gvfs, lambda: desk.add_gvf(SPEED), lambda: desk.remove_gvfs(["x"])):
+        with pytest.raises(Refused, match=r"the config has no \[learn\] table"):
+            ask()
+
+
+def test_after_learning_broke_nothing_can_be_asked_and_the_reason_is_told(
+    learning: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def break_down(*_: object) -> None:
+        raise ZeroDivisionError("oops")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Group, "step", break_down)
+        live(learning, 5)
+    for ask in (learning.describe_gvfs, lambda: learning.reset_gvfs(["elbow.position@20"])):
+        with pytest.raises(Refused, match="Learning broke and is off: ZeroDivisionError: oops"):
+            ask()
+
+
+def test_learners_that_diverge_are_told_of_once_and_predict_finite_numbers(
+    learning: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    learning.add_gvf(SPEED)
+    learning.journal.take()
+    step = Group.step
+
+    def explode(group: Group, *experience: Any) -> Vector:
+        group._lazy.weights[:] = np.inf
+        return step(group, *experience)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Group, "step", explode)
+        for tick in range(5, 20):
+            live(learning, tick)
+            assert all(np.isfinite(value) for value in learning.mind.frame().predictions.values())
+            assert all(np.isfinite(value) for value in learning.mind.predictions(ELBOW).values())
+    (event,) = learning.journal.take()
+    names = ["shoulder.position@20", "elbow.position@20", "speed"]
+    assert (event.kind, event.data) == ("diverged", {"began_anew": names})
+    assert event.text == f"diverged, and began anew: {', '.join(names)}"

@@ -10,7 +10,7 @@ from bentod.config_learn import Learn
 from bentod.config_tables import Assist
 from bentod.control.groups import Groups
 from bentod.errors import BadRequest, Refused
-from bentod.frames import EmgFrame, State, Velocity
+from bentod.frames import EmgFrame, State, Value, Velocity
 from bentod.learn.horde import HasTime, Horde, unhurried
 from bentod.learn.pupils import Together
 from bentod.learn.signals import Percept
@@ -93,9 +93,7 @@ def test_the_features_need_fresh_readings_and_until_then_the_last_predictions_st
     before = mind.predictions(ELBOW)
     watch(mind, 0.9, 0.0, steps=5, stale=(SHOULDER,))
     assert mind.predictions(ELBOW) == before
-    assert (
-        len(cuts) == 2 + 2 + 5 * 2
-    )  # twice in the first tick, then as long as blind
+    assert len(cuts) == 2 + 2 + 5 * 2  # twice in the first tick, then as long as blind
 
 
 @pytest.mark.parametrize("missed", [3, 300])
@@ -296,12 +294,10 @@ def test_a_velocity_limit_holds_from_then_on() -> None:
 @pytest.mark.parametrize(
     ("changes", "field"), [({"timescale": 15.0}, "timescale"), ({"k": 1.0}, "k"), ({"k": 0.0}, "k")]
 )
-def test_a_wrong_value_is_refused_by_name_and_changes_nothing(
-    changes: dict[str, float | str], field: str
-) -> None:
+def test_a_wrong_value_is_refused_by_name_and_changes_nothing(changes: dict[str, Value], field: str) -> None:
     mind = mind_of()
     before = mind.describe()
     with pytest.raises(BadRequest) as caught:
-        mind.change({"mode": "off"} | changes)
+        mind.change({"mode": "off", **changes})
     assert caught.value.field == field
     assert mind.describe() == before

@@ -11,8 +11,9 @@ from bentod.collector import Collector
 from bentod.config_learn import Learn
 from bentod.control.groups import Groups
 from bentod.culprit import GARBAGE, IDLE, Lookout
-from bentod.frames import Command, Event, Frame, State, Stop, Velocity
+from bentod.frames import Command, Event, Frame, Stop, Velocity
 from bentod.learn.horde import HasTime, unhurried
+from bentod.learn.signals import Percept
 from bentod.mind import Mind
 from bentod.pace import Complaints, Late, Pace
 from bentod.realtime import Upkeep
@@ -62,7 +63,7 @@ class _SlowMind(Mind):
     def __init__(self) -> None:
         super().__init__(SPECS, 1 / PERIOD, Groups(SPECS, {}))
 
-    def predict(self, state: State, gap: bool, has_time: HasTime = unhurried) -> None:
+    def predict(self, percept: Percept, has_time: HasTime = unhurried) -> None:
         block(0.002)
 
     def learn(self, has_time: HasTime = unhurried) -> None:

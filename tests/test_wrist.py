@@ -11,6 +11,7 @@ from bentod.config import Config
 from bentod.config_file import Overrides, parse
 from bentod.endpoint import RpcError
 from bentod.errors import ConfigError
+from bentod.furnish import mind_of
 from tests.rig import CONFIGS, joint, number, running, state, table, tables, wait_for
 
 WRIST = (CONFIGS / "wrist.toml").read_text()
@@ -41,7 +42,8 @@ def problems(*changes: tuple[str, str]) -> list[str]:
 
 
 def test_check_tells_which_joint_is_on_which_driver() -> None:
-    told = explain(config())[0]
+    both = config()
+    told = explain(both, mind_of(both))[0]
     assert "5 joints on 2 drivers (" in told
     assert "shoulder_rotation, elbow_flexion, wrist_flexion, gripper on 'sim-dynamixel' ([driver])" in told
     assert "wrist_rotation on 'sim-can' ([drivers.wrist])" in told

@@ -108,14 +108,15 @@ def mark(event: Event) -> str:
 
 
 def switches(events: Sequence[Event], at_first: Mapping[str, str]) -> Iterator[Event]:
-    """The events that made another joint active; `at_first`: the active joint by group, before them."""
-    active = dict(at_first)
+    """The events that selected another joint, or all; `at_first`: the active joint by group, before them."""
+    selected = {group: (joint, False) for group, joint in at_first.items()}
     for event in events:
         if event.kind == "group" and "active" in event.data:
             group, joint = str(event.data.get("group", "")), str(event.data["active"])
-            if active.get(group) != joint:
+            now = joint, event.data.get("together") is True
+            if selected.get(group) != now:
                 yield event
-            active[group] = joint
+            selected[group] = now
 
 
 def _parts(span: TrialSpan, marks: Sequence[float]) -> list[tuple[float, float, bool]]:

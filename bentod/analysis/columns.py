@@ -121,6 +121,7 @@ class TickColumns:
             found += _leaves(GroupFrame, words.GROUP, f"group.{group}.")
             found.append(_column(f"group.{group}.joints", "text", words.JOINTS_OF_GROUP))
         found += [*_leaves(AssistFrame, words.ASSIST, "assist."), *_leaves(GoalFrame, words.GOAL, "goal.")]
+        found.append(_column("assist.moving", "text", words.MOVING))
         found.append(_column("more_assists", "text", words.MORE_ASSISTS))
         found.append(_column("learn.older", "text", words.OLDER))
         for told, keys in self._gvfs.items():
@@ -148,6 +149,7 @@ class TickColumns:
         cells += self._group_cells(frames, other)
         cells += _cells(AssistFrame, [frame.assist for frame in frames])
         cells += _cells(GoalFrame, [frame.goal for frame in frames])
+        cells.append([as_json(frame.assist.moving) if frame.assist.moving else "" for frame in frames])
         cells.append([as_json(frame.more_assists) if frame.more_assists else "" for frame in frames])
         cells.append([as_json(frame.learn.older) if frame.learn.older else "" for frame in frames])
         for told, keys in self._gvfs.items():
@@ -212,7 +214,7 @@ def _union(keys: Iterable[Iterable[str]]) -> tuple[str, ...]:
 _KINDS: Mapping[object, Kind] = {float: "float", int: "int", bool: "bool"}
 _NESTED = frozenset(
     {"costs", "joints", "emg", "groups", "assist", "goal", "meta", "trial", "effort"}
-    | {"errors", "stop", "asked", "sent", "predictions", "learn", "more_assists"}
+    | {"errors", "stop", "asked", "sent", "predictions", "learn", "more_assists", "moving"}
 )
 """Fields that are not one value and have columns of another form."""
 

@@ -77,7 +77,10 @@ ASSIST = {
     "reason": Word("", "why it does or does not"),
     "attended": Word("", "the joint that the operator is moving, as the assist sees it"),
     "group": Word("", "the group that it helps with"),
+    "offers_together": Word("", "whether all joints of its group at once may be selected"),
 }
+
+MOVING = Word("", "JSON of the velocities (rad/s) that the assist asks of joints; empty if of none")
 
 MORE_ASSISTS = Word("", "JSON of the assists of further groups; empty if there are none")
 

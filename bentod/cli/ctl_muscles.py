@@ -80,8 +80,17 @@ def assist(link: Link) -> None:
 @click.pass_obj
 def assist_set(link: Link, parameters: tuple[str, ...]) -> None:
     """Change parameters of collaborative control; what is left out stays."""
-    link.do("assist_set", **assigned(parameters, texts=("mode",)))
+    link.do("assist_set", **assigned(parameters, texts=("mode", "timescale_by")))
 
 
-MUSCLES = (groups, group, toggle, activate, emg, emg_set, emg_pause, assist, assist_set)
+@click.command(context_settings={"ignore_unknown_options": True})  # -1 is a reward, not an option
+@click.argument("value", type=click.FloatRange(-10, 10))
+@click.option("--group", help="The group that is meant; all of them without.")
+@click.pass_obj
+def reward(link: Link, value: float, group: str | None) -> None:
+    """Tell the arm that it did well (above 0) or badly (below 0) just now."""
+    link.do("reward", value=value, group=group)
+
+
+MUSCLES = (groups, group, toggle, activate, emg, emg_set, emg_pause, assist, assist_set, reward)
 """In the order of the help."""

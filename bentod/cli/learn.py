@@ -12,6 +12,7 @@ from bentod.analysis.columns import as_json
 from bentod.analysis.extras import MissingExtra, load_extra
 from bentod.cli import snapshot_words as words
 from bentod.cli.changes import grid, single
+from bentod.cli.merge import merge
 from bentod.cli.replay import lines
 from bentod.cli.telling import echo_table, errors_as_sentences, printable
 from bentod.errors import Refused, SnapshotError
@@ -169,6 +170,9 @@ def sweep(
             draw(outcomes, out / "sweep.png")
     if any(outcome.failed for outcome in outcomes):
         raise SystemExit(1)
+
+
+learn.add_command(merge)
 
 
 def _prepared(out: Path | None) -> Draw | None:

@@ -17,6 +17,7 @@ _HELP = {
     "calibrate": "Measure how long a joint takes to obey, and write it to the config.",
     "replay": "Play a recording to clients as if it were live, or learn from it again.",
     "learn": "Look at what was learned, and learn it again from recordings.",
+    "teach": "Lead the arm by the hand, along a trajectory, or learn from a recording.",
     "recording": "Look into recordings: what is there, figures, reports, trials, other formats.",
     "lsl": "Stream state, muscle signals and events to LabRecorder and others on the network.",
     "bench": "Measure how late a tick begins on this machine.",

@@ -85,18 +85,26 @@ def word(value: Value) -> str:
 
 
 def state_text(frame: Value) -> str:
-    """A frame as a table of joints (angles in degrees) under a line about the arm."""
+    """A frame as a table of joints (angles in degrees) under a line about the arm, and what helps."""
     state = fields(frame)
-    return "\n".join(
-        [_headline(state), *(_joint_line(fields(joint)) for joint in entries(state.get("joints")))]
-    )
+    joints = [_joint_line(fields(joint)) for joint in entries(state.get("joints"))]
+    assists = [fields(state.get("assist")), *map(fields, entries(state.get("more_assists")))]
+    return "\n".join([_headline(state), *joints, *(_assist_line(assist) for assist in assists if assist)])
+
+
+def _assist_line(assist: dict[str, Value]) -> str:
+    moving = fields(assist.get("moving"))
+    moves = ", ".join(f"{name} {_degrees(velocity)}°/s" for name, velocity in moving.items())
+    name = " ".join(word(assist[key]) for key in ("mode", "group") if assist.get(key))
+    offers = "   (all together may be selected)" if assist.get("offers_together") else ""
+    return f"  assist {name}: {word(assist.get('reason'))}" + (f"   {moves}" if moves else "") + offers
 
 
 def _headline(state: dict[str, Value]) -> str:
     parts = [f"tick {word(state.get('tick'))}", word(state.get("mode")).upper()]
     parts += [f"fault: {word(fault)}" for fault in [state.get("fault")] if fault]
     parts += [
-        f"{word(group.get('name'))}: {word(group.get('active'))}"
+        f"{word(group.get('name'))}: {'all together' if group.get('together') else word(group.get('active'))}"
         for group in map(fields, entries(state.get("groups")))
     ]
     goal = fields(state.get("goal"))

@@ -27,14 +27,14 @@ class Range:
 def lines(frame: Table, ranges: Mapping[str, Range], events: Sequence[str]) -> list[str]:
     """One frame as the lines of a screen; `events`: the latest sentences, oldest first."""
     joints = [_table(joint) for joint in _list(frame, "joints")]
-    selected = {_text(_table(group), "active") for group in _list(frame, "groups")[:1]}
+    selected = {name for group in _list(frame, "groups")[:1] for name in _selected(_table(group))}
     screen = [
         *_head(frame),
         f"{_DIM}    joint               angle  {'':21}     velocity  mode      expected  moved by{_OFF}",
         *(_joint(joint, ranges, _text(joint, "name") in selected) for joint in joints),
         "",
         *_muscles(frame),
-        f"  assist    {_text(_table(frame['assist']), 'reason')}",
+        *_assist(frame),
         *_goal(frame),
         "",
         *(f"{_DIM}  {_printable(event)}{_OFF}" for event in events),
@@ -90,6 +90,19 @@ def _muscles(frame: Table) -> list[str]:
 def _gauge(effort: float, width: int = 10) -> str:
     full = round(effort * width)
     return "█" * full + "░" * (width - full)
+
+
+def _selected(group: Table) -> list[str]:
+    return [str(j) for j in _list(group, "joints")] if group.get("together") else [_text(group, "active")]
+
+
+def _assist(frame: Table) -> list[str]:
+    """What helps, and with what all at once may be done: a cue at any moment (thesis 5.6.6)."""
+    assist = _table(frame["assist"])
+    told = [f"  assist    {_text(assist, 'reason')}"]
+    if any(_table(group).get("together") for group in _list(frame, "groups")):
+        return [*told, f"  {_BOLD}together  push to go on, pull to go back, toggle to leave{_OFF}"]
+    return [*told, "  together  may be selected"] if assist.get("offers_together") else told
 
 
 def _goal(frame: Table) -> list[str]:

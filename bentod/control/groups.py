@@ -3,26 +3,43 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from bentod.contracts_assist import TOGETHER
 from bentod.errors import BadRequest
 from bentod.frames import JointSpec, Value, Velocity, Wishes
 
 
 @dataclass(slots=True)
 class Group:
-    """One group: joints by index, and which of them is active."""
+    """One group: joints by index, and which of them is active, or whether all are selected at once."""
 
     name: str
     joints: tuple[int, ...]
     position: int = 0  # of the active joint in `joints`
+    together: bool = False  # then the active joint is the one to fall back to
 
     @property
     def active(self) -> int:
         """Index of the active joint among all joints."""
         return self.joints[self.position]
 
-    def toggle(self, steps: int) -> None:
-        """Make the joint `steps` further down the list active; the list is a ring."""
-        self.position = (self.position + steps) % len(self.joints)
+    def toggle(self, steps: int, order: Sequence[int] | None = None, offered: bool = False) -> None:
+        """Select what is `steps` further down the list; the list is a ring.
+
+        `order`: joints, and perhaps `TOGETHER`, in the order in which they are selected, None: as they are
+        in the group. `offered`: whether all joints at once are one more entry (thesis 6.4, Fig. 6.2).
+        """
+        ring = self._ring(self.joints if order is None else order, offered or self.together)
+        place = ring.index(TOGETHER if self.together else self.active)
+        entry = ring[(place + steps) % len(ring)]
+        self.together = entry == TOGETHER
+        if not self.together:
+            self.position = self.joints.index(entry)
+
+    def _ring(self, order: Sequence[int], offered: bool) -> list[int]:
+        """Every joint once, those that `order` leaves out last; the extra entry only if it is offered."""
+        entries = [TOGETHER, *self.joints]
+        ring = [entry for entry in dict.fromkeys((*order, *self.joints, TOGETHER)) if entry in entries]
+        return [entry for entry in ring if offered or entry != TOGETHER]
 
 
 class Groups:
@@ -49,6 +66,7 @@ class Groups:
         if joint not in names:
             raise BadRequest(f"the group '{name}' has no joint '{joint}' ({', '.join(names)})", "joint")
         group.position = names.index(joint)
+        group.together = False
         return group
 
     def describe(self) -> Value:
@@ -58,6 +76,7 @@ class Groups:
                 "name": group.name,
                 "joints": [self._specs[joint].name for joint in group.joints],
                 "active": self._specs[group.active].name,
+                "together": group.together,
             }
             for group in self
         ]
@@ -69,8 +88,10 @@ class Groups:
     def wish(self, name: str, effort: float) -> Wishes:
         """What an effort (-1..1) asks of the group: the active joint at that share of its top speed (rad/s).
 
-        No effort asks nothing. Efforts beyond ±1 are cut.
+        No effort asks nothing, and nor does any while all joints are selected: they are then moved by the
+        group's assist. Efforts beyond ±1 are cut.
         """
-        joint = self.group(name).active
-        share = max(-1.0, min(1.0, effort))
+        group = self.group(name)
+        joint = group.active
+        share = 0.0 if group.together else max(-1.0, min(1.0, effort))
         return {joint: Velocity(share * self._specs[joint].max_velocity)} if share else {}

@@ -57,6 +57,11 @@ class Answers:
         """The prediction of a question if it was made in this tick; NaN if not, or if nobody asks it."""
         return self.prediction(name) if name in self.place else float("nan")
 
+    def now(self, name: str, told: NDArray[np.float64]) -> float:
+        """What `told`, one of these arrays, says of a question in this tick; NaN if nothing."""
+        known = name in self.place and self.made_at[self.place[name]] == self.tick
+        return float(told[self.place[name]]) if known else float("nan")
+
     def newest(self, name: str) -> float:
         """The newest prediction of a question; NaN if there is none, or nobody asks it."""
         return float(self.value[self.place[name]]) if name in self.place else float("nan")

@@ -14,7 +14,9 @@ from bentod.errors import ConfigError, nearest
 from bentod.learn.doubts import Doubts
 from bentod.learn.encoder import Coding, Encoder
 from bentod.learn.expression import Expression, Vocabulary
+from bentod.learn.expression_nodes import SquaredError
 from bentod.learn.group import Group
+from bentod.learn.guesses import Guesses
 from bentod.learn.kernel import Kernel
 from bentod.learn.lazy import Algorithm, Real
 from bentod.learn.program import Program
@@ -74,6 +76,7 @@ class _Key:
     confidence: bool
     interval: int
     shares: bool
+    advised: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,11 +86,12 @@ class _Told:
     cumulant: Expression
     gamma: Expression | None
     policy: Expression | None
+    guess: Expression | None
 
     @property
     def needs(self) -> frozenset[str]:
         """The questions whose answers they are made from."""
-        texts = (self.cumulant, self.gamma, self.policy)
+        texts = (self.cumulant, self.gamma, self.policy, self.guess)
         return frozenset[str]().union(*(text.predictions for text in texts if text))
 
 
@@ -148,6 +152,7 @@ class _Builder:
             question.estimates.confidence,
             question.estimates.interval,
             binary and question.algorithm in SHARED and not (question.policy or question.options),
+            bool(question.guess),
         )
 
     def _weights(self, runs: Sequence[tuple[_Key, Sequence[int]]]) -> dict[_Key, Weights]:
@@ -166,12 +171,21 @@ class _Builder:
         asked = [self._questions[place] for place in places]
         coding, gamma = self._means.codings[key.representation], asked[0].gamma
         constant = None if isinstance(gamma, str) else gamma
-        discount = Discount(constant, key.lam, np.array([question.scaled for question in asked]))
+        whole = np.array([isinstance(self._told[it.name].cumulant.node, SquaredError) for it in asked])
+        scaled = np.array([question.scaled for question in asked])
+        discount = Discount(constant, key.lam, scaled, whole if whole.any() else None)
+        guesses = Guesses(len(places)) if key.advised else None
         pupils = _alone(asked, coding) if weights is None else self._together(asked, coding, weights)
         program = Program(_texts([self._told[question.name] for question in asked]))
         encoder = self._encoders[key.representation]
         return Unit(
-            places, encoder, program, discount, pupils, Doubts(asked, encoder, pupils, self._means.dtype)
+            places,
+            encoder,
+            program,
+            discount,
+            pupils,
+            Doubts(asked, encoder, pupils, self._means.dtype),
+            guesses,
         )
 
     def _together(self, asked: Sequence[Question], coding: Coding, weights: Weights) -> Pupils:
@@ -196,9 +210,10 @@ def _alone(asked: Sequence[Question], coding: Coding) -> Pupils:
 
 
 def _texts(told: Sequence[_Told]) -> list[Expression]:
-    """What the program of a unit evaluates: the cumulants, then γ if it varies, then the policies."""
+    """What the program of a unit evaluates: cumulants, γ if it varies, policies and initial guesses."""
     gamma = [told[0].gamma] if told[0].gamma else []
-    return [each.cumulant for each in told] + gamma + [each.policy for each in told if each.policy]
+    more = [each.policy for each in told if each.policy] + [each.guess for each in told if each.guess]
+    return [each.cumulant for each in told] + gamma + more
 
 
 def _parsed(name: str, coding: Coding, vocabulary: Vocabulary) -> tuple[Expression, ...]:
@@ -218,6 +233,7 @@ def _told(question: Question, vocabulary: Vocabulary, codings: Mapping[str, Codi
         _expression(f"{name}: cumulant", question.cumulant, vocabulary),
         _expression(f"{name}: gamma", gamma, vocabulary) if isinstance(gamma, str) else None,
         _expression(f"{name}: policy", policy, vocabulary) if policy else None,
+        _expression(f"{name}: adviser", question.guess, vocabulary) if question.guess else None,
     )
 
 

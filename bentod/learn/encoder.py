@@ -69,6 +69,11 @@ class Encoder:
         return self._inputs is not None
 
     @property
+    def sees(self) -> bool:
+        """Whether all inputs of this tick are known."""
+        return self._inputs is not None
+
+    @property
     def features(self) -> Features:
         """The active features of this tick, of a binary representation that can see."""
         if self._features is None:

@@ -7,12 +7,14 @@ Numbers, names of signals, definitions, + - * /, and
 | `abs(x)`, `square(x)`, `min(x, y, …)`, `max(x, y, …)` | as in mathematics |
 | `clip(x, low, high)` | x, kept within the two |
 | `norm(x)`, `norm(x, low, high)` | x over its known, or the given, range: 0..1, kept within |
+| `logistic(x, k, x0)` | 1 / (1 + exp(−k (x − x0))), between 0 and 1 |
 | `above(x, bound)`, `below(x, bound)`, `near(x, y, tolerance)` | 1 if it is, else 0 |
 | `diff(x)` | change per tick |
 | `trace(x, xi)` | fading trace (thesis 4.7) |
 | `delay(x, n)` | x as it was n ticks ago |
 | `prediction("name")` | what another question answers in this tick |
 | `delta2("name")` | δ² of another question's learning in this tick |
+| `advice("adviser", "name")` | what one of `learn.advisers` answers in this tick |
 
 What is not known is NaN, and so is all that is made of it; so is a division by zero. No text is executed.
 """
@@ -25,6 +27,7 @@ from copy import copy
 from dataclasses import dataclass
 
 from bentod.errors import ConfigError, nearest
+from bentod.learn.expression_advice import advice
 from bentod.learn.expression_arguments import ARGUMENTS, checked
 from bentod.learn.expression_nodes import (
     NEGATIVE,
@@ -66,6 +69,7 @@ class Vocabulary:
 
     def __init__(self, signals: Named, define: Mapping[str, str] = {}) -> None:
         self.names = signals.names
+        self.signals = signals
         self._nodes: dict[str, Node] = {
             name: Signal(index, name, signals.range(name)) for index, name in enumerate(signals.names)
         }
@@ -247,9 +251,17 @@ class _Parser:
             raise self._refused(tree, f"{name} takes {many} arguments in order, without names")
         if name in ("prediction", "delta2"):
             return (Prediction if name == "prediction" else SquaredError)(self._other(tree.args[0]))
+        if name == "advice":
+            return self._advice(tree)
         arguments = [self._node(argument, depth + 1) for argument in tree.args]
         try:
             return self._call(name, checked(name, arguments), tree)
+        except ConfigError as error:
+            raise self._refused(tree, str(error)) from None
+
+    def _advice(self, tree: ast.Call) -> Node:
+        try:
+            return advice(self._vocabulary.signals, [getattr(it, "value", None) for it in tree.args])
         except ConfigError as error:
             raise self._refused(tree, str(error)) from None
 

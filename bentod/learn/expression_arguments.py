@@ -10,8 +10,9 @@ LONGEST_DELAY = 1000  # ticks
 
 ARGUMENTS = {
     "abs": (1, 1), "square": (1, 1), "min": (2, 64), "max": (2, 64), "clip": (3, 3), "norm": (1, 3),
+    "logistic": (3, 3),
     "above": (2, 2), "below": (2, 2), "near": (3, 3), "diff": (1, 1), "trace": (2, 2), "delay": (2, 2),
-    "prediction": (1, 1), "delta2": (1, 1),
+    "prediction": (1, 1), "delta2": (1, 1), "advice": (2, 3),
 }  # fmt: skip
 """By function, the least and the greatest number of arguments."""
 

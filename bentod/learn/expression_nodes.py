@@ -33,6 +33,14 @@ class Signal:
 
 
 @dataclass(frozen=True, slots=True)
+class Advice(Signal):
+    """What an adviser answers, which is perceived like a signal; named adviser/question/digest."""
+
+    def __str__(self) -> str:
+        return f"advice({', '.join(map(repr, self.name.split('/')))})"
+
+
+@dataclass(frozen=True, slots=True)
 class Prediction:
     """What another question answers in this tick."""
 
@@ -123,6 +131,11 @@ def _norm(x: float, low: float, high: float) -> float:
     return math.nan if math.isnan(x) else min(max((x - low) / (high - low), 0.0), 1.0)
 
 
+def _logistic(x: float, k: float, middle: float) -> float:
+    """1 / (1 + exp(−k (x − x0))), thesis (6.7), in a form that overflows nowhere."""
+    return 0.5 * (1 + math.tanh(0.5 * k * (x - middle)))
+
+
 def _truth(known: float, truth: bool) -> float:
     return math.nan if math.isnan(known) else float(truth)
 
@@ -143,6 +156,7 @@ PURE: Mapping[str, Callable[..., float]] = MappingProxyType(
         "max": _greatest,
         "clip": _clip,
         "norm": _norm,
+        "logistic": _logistic,
         "above": lambda x, bound: _truth(x + bound, x > bound),
         "below": lambda x, bound: _truth(x + bound, x < bound),
         "near": lambda x, y, tolerance: _truth(x + y + tolerance, abs(x - y) <= tolerance),
@@ -232,7 +246,7 @@ RANGES: Mapping[str, Callable[[Sequence[Range]], Range]] = MappingProxyType(
         "min": _extreme(min),
         "max": _extreme(max),
         "clip": _clipped,
-        **dict.fromkeys(("norm", "above", "below", "near"), _share),
+        **dict.fromkeys(("norm", "logistic", "above", "below", "near"), _share),
         "diff": _changed,
         "trace": lambda ranges: ranges[0],
         "delay": lambda ranges: ranges[0],

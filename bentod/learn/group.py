@@ -158,7 +158,6 @@ class Group:
         """
         take_over(self._lazy, other._lazy, mine, theirs)
         self._s, self._kept, self._age, self._swept = other._s, other._kept, other._age, other._swept
-        self._decay, self._share = other._decay, other._share
         self._before, self._started, self._fresh = other._before, other._started, other._fresh
         self._taught, self._top = other._taught, other._top
         if rest := sorted(set(range(len(self._lazy.d))) - set(mine)):

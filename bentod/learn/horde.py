@@ -1,8 +1,7 @@
 """Many general value functions, learned on line in the control tick: where to read how it is done first."""
 
-import json
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import asdict
+from dataclasses import fields
 from typing import TypeAlias
 
 import numpy as np
@@ -13,10 +12,10 @@ from bentod.errors import SnapshotError
 from bentod.frames import Value
 from bentod.learn.answers import Answers
 from bentod.learn.assembly import Assembly
-from bentod.learn.differences import differences
+from bentod.learn.differences import by_name, differences
 from bentod.learn.encoder import Encoder
 from bentod.learn.paths import below, put_below
-from bentod.learn.question import Question
+from bentod.learn.question import Estimates, Question
 from bentod.learn.scene import Scene
 from bentod.learn.succession import Heritage, succeed
 from bentod.learn.unit import Unit
@@ -25,6 +24,9 @@ HasTime: TypeAlias = Callable[[], bool]
 """Whether there is time left to learn."""
 
 Memory: TypeAlias = Mapping[str, NDArray[np.float64]]
+
+_KEYS = tuple(field.name for field in fields(Question))
+_ESTIMATES = tuple(field.name for field in fields(Estimates))
 
 
 def unhurried() -> bool:
@@ -48,6 +50,7 @@ class Horde:
         """How often a unit was left to predict without learning, because there was no time."""
         self._scene = Scene(np.empty(0), self.answers, 1, 0)
         self._waiting: list[Unit] = []
+        self._units_for: dict[frozenset[str], list[Unit]] = {}
 
     @property
     def questions(self) -> tuple[Question, ...]:
@@ -132,7 +135,7 @@ class Horde:
                 it is not such a memory. This horde may then know some of it.
         """
         questions, codings, units = (
-            _tables(spec.get("questions")),
+            by_name(spec.get("questions")) or {},
             spec.get("representations"),
             spec.get("units"),
         )
@@ -140,7 +143,7 @@ class Horde:
             {"representations": self.spec()["representations"]}, {"representations": codings}
         ):
             raise SnapshotError("; ".join(unlike))
-        known = frozenset(it.name for it in self.questions if plain(it) in questions)
+        known = frozenset(it.name for it in self.questions if plain(it) == questions.get(it.name))
         asked = (
             [list(map(str, names)) for names in units if isinstance(names, list)]
             if isinstance(units, list)
@@ -150,13 +153,14 @@ class Horde:
             new = self._inherit(Heritage.of(asked, below(memory, "units")), known)
             for name, encoder in self._assembly.encoders.items():
                 encoder.recall(below(memory, f"representations/{name}"))
-        except ValueError as error:
+        except (ValueError, LookupError, ArithmeticError) as error:
             raise SnapshotError(f"it does not hold what it says: {error}") from error
         return new
 
     def succeed(self, other: "Horde") -> None:
         """Go on with the tick of `other`, and where it is with questions that are the same; it is used up."""
-        known = frozenset(question.name for question in self.questions if question in other.questions)
+        asked = {question.name: question for question in other.questions}
+        known = frozenset(it.name for it in self.questions if asked.get(it.name) == it)
         elders = [(other._names(unit), unit) for unit in other.units]
         for unit in self.units:
             succeed(unit, self._names(unit), elders, known)
@@ -177,15 +181,29 @@ class Horde:
         return [self.questions[place].name for place in unit.places.tolist()]
 
     def _needed(self, names: Collection[str]) -> list[Unit]:
-        needed = self._assembly.closure(names)
-        return [unit for unit in self._waiting if not needed.isdisjoint(unit.places.tolist())]
+        """Units that are waiting and answer `names`, with all that others in these units are made from."""
+        key = frozenset(names)
+        if key not in self._units_for:
+            self._units_for = {key: self._found(names)}  # the same names are asked for in tick after tick
+        needed = self._units_for[key]
+        return [unit for unit in self._waiting if unit in needed]
+
+    def _found(self, names: Collection[str]) -> list[Unit]:
+        places: frozenset[int] = frozenset()
+        units: list[Unit] = []
+        found = self._assembly.closure(names)
+        while found != places:
+            places = found
+            units = [unit for unit in self.units if not places.isdisjoint(unit.places.tolist())]
+            found = self._assembly.closure([name for unit in units for name in self._names(unit)])
+        return units
 
 
 def plain(question: Question) -> dict[str, Value]:
     """A question as data; equal data, equal questions."""
-    told: dict[str, Value] = json.loads(json.dumps(asdict(question)))
+    told: dict[str, Value] = {name: getattr(question, name) for name in _KEYS}
+    estimates = {name: getattr(question.estimates, name) for name in _ESTIMATES}
+    told |= {"options": dict[str, Value](question.options), "estimates": estimates}
+    if not question.guess:
+        del told["guess"]  # as in snapshots from before there were advisers
     return told
-
-
-def _tables(value: Value) -> list[Value]:
-    return value if isinstance(value, list) else []

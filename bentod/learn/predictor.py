@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 from bentod.config_learn import Gvf, Learn
 from bentod.errors import BadRequest, ConfigError, SnapshotError, nearest
 from bentod.frames import JointSpec, LearnFrame, Value
+from bentod.learn.advice import Advised
+from bentod.learn.adviser import open_adviser
 from bentod.learn.assembly import Assembly, Means, assembled
 from bentod.learn.expression import Vocabulary
 from bentod.learn.horde import HasTime, Horde, Memory
 from bentod.learn.kernel import choose
 from bentod.learn.question import Question
-from bentod.learn.questions import expand, questions_of
+from bentod.learn.questions import MOST, expand, questions_of
 from bentod.learn.representation import codings
 from bentod.learn.signals import Percept, Signals
 from bentod.learn.told import Teller
@@ -23,8 +25,11 @@ from bentod.learn.told import Teller
 LONGEST = 3
 """Ticks that one step of learning may span: two missed ones. A longer hole is not bridged but cut."""
 
+PROBATION = 900
+"""Ticks for which nothing follows a learner that began anew, diverged or told to: 30 s at 30 Hz."""
+
 MOST_WEIGHTS = 1 << 28
-"""Of all questions together: 2 GiB of float64."""
+"""Of all questions together, past ones of intervals included: 2 GiB of float64."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +53,8 @@ class Predictor:
     def __init__(self, body: Body, learn: Learn) -> None:
         """Raises ConfigError: a question is not one."""
         self._body = body
-        self._signals = Signals(body.specs, body.sites, body.groups)
+        signals = Signals(body.specs, body.sites, body.groups)
+        self._signals = Advised(signals, [open_adviser(table, signals) for table in learn.advisers])
         self._means = Means(
             Vocabulary(self._signals, learn.define),
             codings(learn, body.specs, self._signals),
@@ -60,12 +66,20 @@ class Predictor:
         self._first = expand(learn, body.specs, self._signals, body.rate_hz)
         self._install(Horde(self._assembled(self._first)))
         self._due = math.nan
+        self._seen_by = self.horde
         self._resets: dict[str, int] = {}
+        self._anew: list[str] = []
+        self._on_probation: dict[str, int] = {}  # the tick in which a question's learner began anew
 
     @property
     def kernel(self) -> str:
         """What updates the shared weights."""
         return self._means.kernel.name
+
+    @property
+    def advice(self) -> Advised:
+        """What is perceived, and what its advisers say of it."""
+        return self._signals
 
     @property
     def shed(self) -> int:
@@ -74,17 +88,24 @@ class Predictor:
 
     def see(self, percept: Percept) -> None:
         """Begin a tick."""
+        self._seen_by = self.horde
         elapsed = self._elapsed(percept)
         if elapsed < 1:
             self.restart()
         bridged = 1 <= elapsed <= LONGEST and not (percept.gap and elapsed == 1)
         self._due = percept.due
         steps = elapsed if bridged else 0
-        self.horde.begin(percept.tick, self._signals.read(percept), max(elapsed, 1), steps)
+        self.horde.begin(percept.tick, self._signals.read(percept, max(elapsed, 1)), max(elapsed, 1), steps)
 
     def step(self, has_time: HasTime, names: Collection[str] | None = None) -> None:
         """Learn and predict what has not been in this tick: `names` and all they need, or (None) all."""
         self.horde.step(has_time, names)
+        now = self.horde.resets()
+        if now != self._resets:
+            anew = [name for name, count in now.items() if count > self._resets.get(name, 0)]
+            self._resets = now
+            self._anew += anew
+            self._on_probation |= dict.fromkeys(anew, self.horde.answers.tick)
 
     def restart(self) -> None:
         """What comes next has nothing to do with what came before; what was learned stays."""
@@ -92,7 +113,12 @@ class Predictor:
         self.horde.restart()
 
     def fresh(self, name: str) -> float:
-        """The prediction `name` if it was made in this tick; else NaN."""
+        """The prediction `name` if it was made in this tick, by a learner that can be followed; else NaN.
+
+        One that diverged and began anew answers with what it was told at first, which nobody should follow.
+        """
+        if self.horde.answers.tick - self._on_probation.get(name, -PROBATION) < PROBATION:
+            return math.nan
         return self.horde.answers.fresh(name)
 
     def newest(self, name: str) -> float:
@@ -100,31 +126,40 @@ class Predictor:
         return self.horde.answers.newest(name)
 
     def confidence(self, name: str) -> float:
-        """C of the prediction `name`; NaN where nobody estimates it."""
-        answers = self.horde.answers
-        return float(answers.confidence[answers.place[name]]) if name in answers.place else math.nan
+        """C of the prediction `name` in this tick; NaN where nobody estimates it."""
+        return self.horde.answers.now(name, self.horde.answers.confidence)
 
     def surprise(self, name: str) -> float:
-        """Z of the prediction `name`; NaN if nobody asks it."""
-        answers = self.horde.answers
-        return float(answers.surprise[answers.place[name]]) if name in answers.place else math.nan
+        """Z of the prediction `name` in this tick; NaN if nobody asks it."""
+        return self.horde.answers.now(name, self.horde.answers.surprise)
 
     def familiarity(self, representation: str) -> float:
         """How well a state like this one is known, 0..1; NaN where nobody counts."""
         encoder = self.horde.encoders.get(representation)
         return encoder.visit.familiarity if encoder and encoder.visit else math.nan
 
-    def add(self, table: Gvf) -> tuple[str, ...]:
+    @property
+    def changed(self) -> bool:
+        """Whether other questions are asked than in the newest tick."""
+        return self.horde is not self._seen_by
+
+    def add(self, *tables: Gvf, most: int = MOST) -> tuple[str, ...]:
         """Ask more from the next tick on, and go on undisturbed with all else; returns the names.
+
+        `most`: questions that each table may stand for.
 
         Raises:
             BadRequest: that cannot be asked.
         """
         try:
-            more = questions_of(table, self._signals, self._body.rate_hz)
-            taken = [question.name for question in self.horde.questions]
+            rate = self._body.rate_hz
+            families = [questions_of(table, self._signals, rate, most=most) for table in tables]
+            more = tuple(question for family in families for question in family)
+            taken = {question.name for question in self.horde.questions}
             if twice := [question.name for question in more if question.name in taken]:
                 raise ConfigError(f"there is a GVF '{twice[0]}' already")
+            if own := [question.name for question in more if question.name in self._apart]:
+                raise ConfigError(f"assists take '{own[0]}' for the arm's own: choose another name")
             self._replace((*self.horde.questions, *more))
         except ConfigError as error:
             raise BadRequest(str(error), "gvf") from error
@@ -143,7 +178,10 @@ class Predictor:
 
     def reset(self, names: Collection[str]) -> None:
         """Begin anew with some questions, as if nothing had been learned. Raises BadRequest: none such."""
-        self.horde.reset(self.known(names))
+        known = self.known(names)
+        self._install(self.horde)
+        self.horde.reset(known)
+        self._on_probation |= dict.fromkeys(sorted(known), self.horde.answers.tick)
 
     def known(self, names: Collection[str]) -> frozenset[str]:
         """`names`, all of which are asked. Raises BadRequest: one is not."""
@@ -163,11 +201,8 @@ class Predictor:
 
     def begun_anew(self) -> list[str]:
         """Questions whose learners had to begin anew since the last call, because they had diverged."""
-        now, before = self.horde.resets(), self._resets
-        if now == before:
-            return []
-        self._resets = now
-        return [name for name, count in now.items() if count > before.get(name, 0)]
+        anew, self._anew = self._anew, []
+        return anew
 
     def spec(self) -> dict[str, Value]:
         """All that decides what the memory means."""
@@ -210,7 +245,7 @@ class Predictor:
 
     def _assembled(self, questions: Sequence[Question]) -> Assembly:
         sizes = {name: coding.size for name, coding in self._means.codings.items()}
-        weights = sum(sizes.get(question.representation, 0) for question in questions)
+        weights = sum(sizes.get(it.representation, 0) * (1 + it.estimates.interval) for it in questions)
         if weights > MOST_WEIGHTS:
             raise ConfigError(
                 f"{len(questions)} GVFs need {weights:,} weights; the bound is {MOST_WEIGHTS:,}"

@@ -30,3 +30,4 @@ class Question:
     initial: float = 0.0  # what is answered before anything is learned
     options: Mapping[str, float] = field(default_factory=dict)
     estimates: Estimates = Estimates()
+    guess: str = ""  # expression of an answer to begin with, of which only the error is learned; empty: none

@@ -9,6 +9,7 @@ from typing import TypeAlias
 from bentod.config_learn import ARM, Gvf, Learn
 from bentod.errors import ConfigError, nearest
 from bentod.frames import JointSpec
+from bentod.learn.advice import guess
 from bentod.learn.expression import Expression, Vocabulary
 from bentod.learn.expression_nodes import name_text
 from bentod.learn.question import Estimates, Question
@@ -31,7 +32,12 @@ def expand(learn: Learn, specs: Sequence[JointSpec], signals: Named, rate_hz: fl
         ConfigError: a table is wrong, or two questions have the same name; says which table and key.
     """
     known = [*([ARM] if learn.joints else []), *(table.name for table in learn.representations)]
-    tables: list[tuple[str, Sequence[Question]]] = [("learn.timescales", about_the_arm(learn, specs))]
+    if learn.joints and learn.representation not in known:
+        hint = nearest(learn.representation, known)
+        raise ConfigError(f"learn.representation: there is no '{learn.representation}'{hint}")
+    tables: list[tuple[str, Sequence[Question]]] = [
+        ("learn.timescales", about_the_arm(learn, specs, signals))
+    ]
     for number, table in enumerate(learn.gvfs):
         where = f"learn.gvfs.{number}"
         if table.representation not in known:
@@ -46,8 +52,11 @@ def expand(learn: Learn, specs: Sequence[JointSpec], signals: Named, rate_hz: fl
     return questions
 
 
-def about_the_arm(learn: Learn, specs: Sequence[JointSpec]) -> tuple[Question, ...]:
-    """Where each of its joints will be, thesis 5.3: R = (1 − γ) θ, at first the joint's minimum."""
+def about_the_arm(learn: Learn, specs: Sequence[JointSpec], signals: Named) -> tuple[Question, ...]:
+    """Where each of its joints will be, thesis 5.3: R = (1 − γ) θ, at first the joint's minimum.
+
+    With `learn.adviser` it is at first what that says. Raises ConfigError: it cannot.
+    """
     if not learn.joints:
         return ()
     named = {spec.name: spec for spec in specs}
@@ -61,39 +70,52 @@ def about_the_arm(learn: Learn, specs: Sequence[JointSpec]) -> tuple[Question, .
             lam=learn.trace_lambda,
             step_size=learn.step_size,
             algorithm="true_online",
-            representation=ARM,
-            initial=spec.minimum,
+            representation=learn.representation,
+            initial=0.0 if learn.adviser else spec.minimum,
             estimates=Estimates(confidence_range=spec.maximum - spec.minimum),
+            guess=guess(signals, learn.adviser, f"{spec.name}.position@{timescale:g}"),
         )
         for timescale in learn.timescales
         for spec in asked
     )
 
 
-def questions_of(table: Gvf, signals: Named, rate_hz: float, where: str = "gvf") -> tuple[Question, ...]:
+def questions_of(
+    table: Gvf, signals: Named, rate_hz: float, where: str = "gvf", most: int = MOST
+) -> tuple[Question, ...]:
     """The questions that one table stands for: each cumulant at each timescale, each with its companion.
 
-    `where`: the table's place in the config. Whether expressions are such is not looked at here.
+    `where`: the table's place in the config. `most`: of these, companions not counted. Whether
+    expressions are such is not looked at here.
 
     Raises:
         ConfigError: a name does not fit, or a timescale is shorter than a tick.
     """
+    if not isinstance(table.cumulant, str) and len(table.cumulant) > most:
+        raise ConfigError(f"{where}.cumulant: {len(table.cumulant)} are more than {most}")
     cumulants = _cumulants(table, signals, where)
     horizons = _horizons(table, rate_hz, where)
     family: list[Question] = []
-    for (label, cumulant), (scale, gamma) in _products(table, cumulants, horizons, where):
+    for (label, cumulant), (scale, gamma) in _products(table, cumulants, horizons, where, most):
         name = table.name.replace("{cumulant}", label).replace("{timescale}", scale)
         if not _NAME.fullmatch(name):
             raise ConfigError(
                 f"{where}.name: {name[:140]!r} is no name: give the cumulant one in learn.define, "
                 "of letters, digits and _.@- (at most 128 characters in all)"
             )
-        question = _question(table, name, cumulant, gamma)
+        question = _question(table, name, cumulant, gamma, _guess(table, name, signals, where))
         family += [question, _variance(question)] if table.variance else [question]
     return _all([(where, family)])
 
 
-def _question(table: Gvf, name: str, cumulant: str, gamma: float | str) -> Question:
+def _guess(table: Gvf, name: str, signals: Named, where: str) -> str:
+    try:
+        return guess(signals, table.adviser, name)
+    except ConfigError as error:
+        raise ConfigError(f"{where}.adviser: {error}") from None
+
+
+def _question(table: Gvf, name: str, cumulant: str, gamma: float | str, guess: str) -> Question:
     return Question(
         name=name,
         cumulant=cumulant,
@@ -104,9 +126,10 @@ def _question(table: Gvf, name: str, cumulant: str, gamma: float | str) -> Quest
         algorithm=table.algorithm,
         representation=table.representation,
         policy=table.policy or "",
-        initial=table.initial,
+        initial=0.0 if guess else table.initial,
         options=dict(table.options),
         estimates=Estimates(table.confidence, table.confidence_range, table.interval, table.variance),
+        guess=guess,
     )
 
 
@@ -126,6 +149,7 @@ def _variance(question: Question) -> Question:
         scaled=False,
         initial=0.0,
         estimates=Estimates(confidence=False),
+        guess="",
     )
 
 
@@ -167,7 +191,7 @@ def _several(value: float | tuple[float, ...]) -> tuple[float, ...]:
 
 
 def _products(
-    table: Gvf, cumulants: Sequence[tuple[str, str]], horizons: Sequence[_Horizon], where: str
+    table: Gvf, cumulants: Sequence[tuple[str, str]], horizons: Sequence[_Horizon], where: str, most: int
 ) -> Iterator[tuple[tuple[str, str], _Horizon]]:
     """Every cumulant at every horizon. Raises ConfigError: the name cannot tell them apart."""
     holders = re.findall(r"\{([^{}]*)\}", table.name)
@@ -179,8 +203,8 @@ def _products(
     for holder, many in zip(_HOLDERS, (cumulants, horizons), strict=True):
         if len(many) > 1 and holder not in holders:
             raise ConfigError(f"{where}.name: needs {{{holder}}}, because there are {len(many)} of them")
-    if len(cumulants) * len(horizons) > MOST:
-        raise ConfigError(f"{where}: {len(cumulants) * len(horizons)} questions are more than {MOST}")
+    if len(cumulants) * len(horizons) > most:
+        raise ConfigError(f"{where}: {len(cumulants) * len(horizons)} questions are more than {most}")
     return ((cumulant, horizon) for horizon in horizons for cumulant in cumulants)
 
 

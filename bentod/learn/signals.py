@@ -4,7 +4,7 @@ import ast
 import math
 import re
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from typing import Protocol, TypeAlias
 
@@ -28,6 +28,7 @@ class Percept:
     state: State
     emg: EmgFrame
     groups: tuple[GroupFrame, ...]
+    rewards: Mapping[str, float] = field(default_factory=dict)  # by group; a recording's events tell them
 
 
 class Named(Protocol):
@@ -71,7 +72,9 @@ class Signals:
     | `emg.<site>` | effort | 0..1 |
     | `<group>.effort` | share of the active joint's speed | -1..1 |
     | `<group>.active.<joint>` | 1 while that joint is the active one | 0..1 |
-    | `<group>.toggled` | 1 in a tick whose active joint is another than that of the tick before | 0..1 |
+    | `<group>.toggled` | 1 in a tick in which another joint, or all, came to be selected | 0..1 |
+    | `<group>.together` | 1 while all joints are selected at once | 0..1 |
+    | `<group>.reward` | rewarded since the tick before, toggles and contacts included | – |
 
     NaN: not known in this tick, because the joint was not read in it or the muscle signal is not alive.
     """
@@ -108,7 +111,7 @@ class Signals:
         values += [effort.get(site, math.nan) for site in self._sites]
         told = {group.name: group for group in percept.groups}
         for name in self._groups:
-            values += self._group_values(name, told.get(name))
+            values += self._group_values(name, told.get(name), percept.rewards.get(name, 0.0))
         if len(values) != len(self.names):
             raise ValueError(f"{len(self.names)} signals were declared, and {len(values)} were read.")
         return np.array(values, dtype=np.float64)
@@ -118,9 +121,9 @@ class Signals:
         self._active.clear()
 
     def memory(self) -> dict[str, NDArray[np.float64]]:
-        """Which joints were active: their places in their groups, NaN where nobody knows."""
+        """Which joints were selected: their places in their groups, -1 for all, NaN where nobody knows."""
         places = [
-            joints.index(self._active[name]) if self._active.get(name) in joints else math.nan
+            _place(self._active[name], joints) if name in self._active else math.nan
             for name, joints in self._groups.items()
         ]
         return {"active": np.array(places, dtype=np.float64)}
@@ -131,17 +134,19 @@ class Signals:
         if set(memory) != {"active"} or places is None or places.shape != (len(self._groups),):
             raise ValueError(f"These are not the active joints of {len(self._groups)} groups.")
         told = list(zip(self._groups.items(), places.tolist(), strict=True))
-        if any(not math.isnan(place) and place not in range(len(joints)) for (_, joints), place in told):
+        if any(it not in range(-1, len(joints)) for (_, joints), it in told if not math.isnan(it)):
             raise ValueError("An active joint is not one of its group.")
-        self._active = {n: joints[int(place)] for (n, joints), place in told if not math.isnan(place)}
+        self._active = {n: (*joints, _ALL)[int(it)] for (n, joints), it in told if not math.isnan(it)}
 
-    def _group_values(self, name: str, told: GroupFrame | None) -> list[float]:
+    def _group_values(self, name: str, told: GroupFrame | None, reward: float) -> list[float]:
         joints = self._groups[name]
         if told is None:
-            return [math.nan] * (len(joints) + 2)
-        toggled = self._active.get(name, told.active) != told.active
-        self._active[name] = told.active
-        return [told.effort, *(float(joint == told.active) for joint in joints), float(toggled)]
+            return [math.nan] * (len(joints) + 4)
+        selected = _ALL if told.together else told.active
+        toggled = self._active.get(name, selected) != selected
+        self._active[name] = selected
+        active = [float(joint == told.active) for joint in joints]
+        return [told.effort, *active, float(toggled), float(told.together), reward]
 
 
 def starred(text: str, names: Collection[str]) -> tuple[str, ...]:
@@ -170,6 +175,8 @@ def _is_expression(text: str) -> bool:
 
 _PATTERN = re.compile(r"[A-Za-z0-9_.*]{1,200}")
 _UNKNOWN = [math.nan] * 5
+_ALL = ""
+"""Stands for all joints at once among the names of those that are selected."""
 
 
 def _joint_values(joint: JointState) -> list[float]:
@@ -189,5 +196,13 @@ def _joint_ranges(spec: JointSpec) -> dict[str, Range]:
 
 
 def _group_ranges(name: str, joints: Sequence[str]) -> dict[str, Range]:
+    reward: dict[str, Range] = {f"{name}.reward": None}
     active: dict[str, Range] = {f"{name}.active.{joint}": (0.0, 1.0) for joint in joints}
-    return {f"{name}.effort": (-1.0, 1.0), **active, f"{name}.toggled": (0.0, 1.0)}
+    selected = {f"{name}.toggled": (0.0, 1.0), f"{name}.together": (0.0, 1.0)}
+    return {f"{name}.effort": (-1.0, 1.0), **active, **selected, **reward}
+
+
+def _place(selected: str, joints: Sequence[str]) -> float:
+    if selected == _ALL:
+        return -1
+    return joints.index(selected) if selected in joints else math.nan

@@ -69,8 +69,9 @@ def _closest(
     if not wanted or not units:
         return None
     asked, unit = max(units, key=lambda it: len(wanted.intersection(it[0])))
-    mine = [place for place, name in enumerate(names) if name in wanted and name in asked]
-    return (unit, mine, [asked.index(names[place]) for place in mine]) if mine else None
+    places = {name: place for place, name in enumerate(asked)}
+    mine = [place for place, name in enumerate(names) if name in wanted and name in places]
+    return (unit, mine, [places[names[place]] for place in mine]) if mine else None
 
 
 def _merged(

@@ -23,6 +23,7 @@ class Teller:
         self._own = np.array(
             [place for place, name in enumerate(horde.answers.names) if name not in apart], dtype=np.intp
         )
+        self._described: tuple[int, list[dict[str, Value]]] | None = None
         self._own_names = [horde.answers.names[place] for place in self._own.tolist()]
 
     def frame(self) -> LearnFrame:
@@ -38,9 +39,15 @@ class Teller:
         )
 
     def describe(self) -> list[dict[str, Value]]:
-        """Every question and how it stands, in the order in which they were asked."""
-        told = {place: entry for unit in self._horde.units for place, entry in self._unit(unit)}
-        return [told[place] for place in sorted(told)]
+        """Every question and how it stands, in the order in which they were asked; not to be changed.
+
+        It is put together once a tick, however many ask.
+        """
+        tick = self._horde.answers.tick
+        if self._described is None or self._described[0] != tick:
+            told = {place: entry for unit in self._horde.units for place, entry in self._unit(unit)}
+            self._described = tick, [told[place] for place in sorted(told)]
+        return self._described[1]
 
     def _unit(self, unit: Unit) -> Iterator[tuple[int, dict[str, Value]]]:
         answers, bounds = self._horde.answers, unit.doubts.interval

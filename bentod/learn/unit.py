@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from bentod.contracts import Vector
 from bentod.learn.doubts import Doubts
 from bentod.learn.encoder import Encoder
+from bentod.learn.guesses import Guesses
 from bentod.learn.paths import below, put_below
 from bentod.learn.program import Program
 from bentod.learn.pupils import Pupils
@@ -24,18 +25,23 @@ class Discount:
 
         R = Σ_{i<n} γ^i c = c (1 − γ^n) / (1 − γ)      or, of a question that is scaled,      R = c (1 − γ^n)
 
-    as over an option that lasts n steps (Sutton, Precup & Singh 1999, section 3).
+    as over an option that lasts n steps (Sutton, Precup & Singh 1999, section 3). A cumulant that is made of
+    a transition, as δ² is, is that of all n ticks already: R = c.
     """
 
     gamma: float | None  # None: an expression of the state
     lam: float
     scaled: NDArray[np.bool_]  # shape (questions,)
+    whole: NDArray[np.bool_] | None = None  # whether c is of the transition, as δ² is; None: no
 
     def rewards(self, cumulants: NDArray[np.float64], gamma: float, steps: int) -> NDArray[np.float64]:
         """R of each question after `steps` ticks; `gamma`: of one."""
         rest = 1 - gamma**steps
         whole = rest / (1 - gamma) if gamma < 1 else float(steps)
-        rewards: NDArray[np.float64] = cumulants * np.where(self.scaled, rest, whole)
+        share = np.where(self.scaled, rest, whole)
+        if self.whole is not None:
+            share = np.where(self.whole, np.where(self.scaled, 1 - gamma, 1.0), share)
+        rewards: NDArray[np.float64] = cumulants * share
         return rewards
 
 
@@ -50,14 +56,16 @@ class Unit:
         discount: Discount,
         pupils: Pupils,
         doubts: Doubts,
+        guesses: Guesses | None = None,
     ) -> None:
-        """`program` evaluates the cumulants, then γ unless it is constant, then ρ of each off policy."""
+        """`program` evaluates cumulants, γ unless it is constant, ρ of each off policy, and guesses last."""
         self.places = np.array(places, dtype=np.intp)
         self.pupils = pupils
         self.doubts = doubts
         self._encoder = encoder
         self._program = program
         self._discount = discount
+        self._guesses = guesses
 
     def step(self, scene: Scene, learn: bool) -> None:
         """Learn from this tick, unless it is not to or nothing can be; then predict, unless it is blind."""
@@ -90,7 +98,7 @@ class Unit:
 
     def own(self) -> frozenset[str]:
         """The entries of `memory` whose last axis is the questions."""
-        named = {"pupils": self.pupils.own(), "doubts": self.doubts.own()}
+        named = {"pupils": self.pupils.own(), "doubts": self.doubts.own(), "guesses": frozenset({"before"})}
         return frozenset(f"{part}/{name}" for part, names in named.items() for name in names)
 
     def memory(self) -> dict[str, NDArray[np.float64]]:
@@ -100,7 +108,8 @@ class Unit:
     def beside(self) -> dict[str, NDArray[np.float64]]:
         """The same without what the pupils have learned."""
         inputs = put_below("inputs", self._program.memory())
-        return put_below("doubts", self.doubts.memory()) | inputs
+        guesses = put_below("guesses", self._guesses.memory()) if self._guesses else {}
+        return put_below("doubts", self.doubts.memory()) | inputs | guesses
 
     def recall(self, memory: Mapping[str, NDArray[np.float64]]) -> None:
         """Become what `memory` told. Raises ValueError: it is not that of such a unit."""
@@ -111,6 +120,8 @@ class Unit:
         """Become what `memory` told, as far as `beside` goes. Raises as `recall` does."""
         self.doubts.recall(below(memory, "doubts"))
         self._program.recall(below(memory, "inputs"))
+        if self._guesses:
+            self._guesses.recall(below(memory, "guesses"))
 
     def _gamma(self, observed: Vector) -> float:
         if self._discount.gamma is not None:
@@ -119,14 +130,24 @@ class Unit:
 
     def _rho(self, observed: Vector) -> NDArray[np.float64] | None:
         first = len(self.places) + (self._discount.gamma is None)
-        return np.maximum(observed[first:], 0.0) if len(observed) > first else None
+        last = len(observed) - (self._guesses.count if self._guesses else 0)
+        return np.maximum(observed[first:last], 0.0) if last > first else None
 
     def _answer(self, observed: Vector, gamma: float, scene: Scene) -> None:
         count, steps = len(self.places), max(scene.steps, 1)
         with np.errstate(over="ignore", invalid="ignore"):  # a cumulant may be anything
             rewards = self._discount.rewards(observed[:count], gamma, steps)
             gamma, lam = gamma**steps, self._discount.lam**steps
-            values = self.pupils.step(self._encoder, rewards, gamma, lam, self._rho(observed))
+            values = self._step(observed, rewards, gamma, lam)
             scene.answers.put(self.places, values, self.pupils.delta)
             self.doubts.step(rewards, gamma, values, scene.elapsed)
         self.doubts.tell(scene.answers, self.places)
+
+    def _step(self, observed: Vector, rewards: Vector, gamma: float, lam: float) -> Vector:
+        """Learn and predict; where there are guesses, add to these."""
+        if self._guesses is None:
+            return self.pupils.step(self._encoder, rewards, gamma, lam, self._rho(observed))
+        now = observed[-self._guesses.count :]
+        shaped = self._guesses.shaped(rewards, gamma, now)
+        values: Vector = self.pupils.step(self._encoder, shaped, gamma, lam, self._rho(observed)) + now
+        return values

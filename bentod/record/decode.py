@@ -13,8 +13,9 @@ from google.protobuf.message_factory import GetMessageClass
 from bentod.frames import EmgBlock, Frame
 from bentod.record.codec import TOPICS, Recorded
 from bentod.record.descriptors import has_default, messages_file
+from bentod.record.field import Field, Kind, Message
 from bentod.record.plain import from_json
-from bentod.record.schema import ENUMS, MESSAGES, PACKAGE, UNKNOWN, Field, Kind, Message
+from bentod.record.schema import ENUMS, MESSAGES, PACKAGE, UNKNOWN
 from bentod.record.tally import Point
 
 

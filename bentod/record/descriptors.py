@@ -16,7 +16,8 @@ from google.protobuf.descriptor_pb2 import (
 )
 
 from bentod.frames import JointSpec
-from bentod.record.schema import ENUMS, PACKAGE, SCALARS, TABLE, Field, Kind, Message
+from bentod.record.field import SCALARS, Field, Kind, Message
+from bentod.record.schema import ENUMS, PACKAGE, TABLE
 
 _P = FieldDescriptorProto
 

@@ -4,9 +4,6 @@ A new field takes the next free number, and old files read with its default. A n
 What a message means changes only together with `session.SCHEMA`.
 """
 
-from dataclasses import dataclass
-from enum import Enum, auto
-
 from bentod.frames import (
     AssistFrame,
     ClientCommand,
@@ -27,50 +24,10 @@ from bentod.frames import (
     Trial,
     Velocity,
 )
+from bentod.record.field import Field, Kind, Message
 from bentod.record.session import SCHEMA, Counts, Gap, Mark, Report, Tally
 
 PACKAGE = f"bentod.v{SCHEMA}"
-
-
-class Kind(Enum):
-    """How a field is written."""
-
-    DOUBLE = auto()
-    INT = auto()  # of fixed size, so that it is written together with its neighbours
-    BOOL = auto()
-    ENUM = auto()
-    TEXT = auto()
-    TEXTS = auto()
-    JSON = auto()  # text: a `Value`, readable in every tool
-    FLOATS = auto()  # packed float32
-    ONE = auto()  # a message
-    MAYBE = auto()  # a message or nothing
-    MANY = auto()  # messages
-    NUMBERS = auto()  # messages of a name and a number
-    NAMED = auto()  # messages of a name and a message
-
-
-SCALARS = (Kind.DOUBLE, Kind.INT, Kind.BOOL)
-
-
-@dataclass(frozen=True, slots=True)
-class Field:
-    """One field: its number, the name of the attribute that it holds, and how."""
-
-    number: int
-    name: str
-    kind: Kind
-    of: str = ""  # the message or enum that it holds
-
-
-@dataclass(frozen=True, slots=True)
-class Message:
-    """One message, and the classes of which it holds any one."""
-
-    name: str
-    classes: tuple[type, ...]
-    fields: tuple[Field, ...]
-
 
 ENUMS: dict[str, tuple[str, ...]] = {
     "Mode": (Mode.LIMP, Mode.HOLDING, Mode.ACTIVE, Mode.PAUSED, Mode.FAULT),
@@ -169,6 +126,8 @@ TABLE = (
             Field(3, "reason", T),
             Field(4, "attended", T),
             Field(5, "group", T),
+            Field(6, "moving", Kind.NUMBERS),
+            Field(7, "offers_together", B),
         ),
     ),
     Message(

@@ -12,8 +12,9 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import TypeAlias, cast
 
 from bentod.frames import Value
+from bentod.record.field import SCALARS, Field, Kind, Message
 from bentod.record.plain import to_json
-from bentod.record.schema import ENUMS, MESSAGES, SCALARS, Field, Kind, Message
+from bentod.record.schema import ENUMS, MESSAGES
 
 Encode: TypeAlias = Callable[[object], bytes]
 """A value to bytes: a whole message, or one field with its tag."""

@@ -12,7 +12,17 @@ from bentod.learn.signals import Percept
 from bentod.learn.snapshot import Keepable
 from bentod.replay.player import Source
 
-ASSIST_KEYS = ("mode", "k", "timescale", "velocity_limit_rad_s", "manual_after_toggle_s", "options")
+ASSIST_KEYS = (
+    "mode",
+    "k",
+    "timescale",
+    "velocity_limit_rad_s",
+    "manual_after_toggle_s",
+    "timescale_by",
+    "toggle_reward",
+    "contact_reward",
+    "options",
+)
 """What `assist_set` may change, and events of kind "assist" tell."""
 
 
@@ -77,7 +87,7 @@ class Relearner:
         specs = [joint.spec() for joint in config.joints]
         self._names = [spec.name for spec in specs]
         self._mind = mind_of(config)
-        self.learners: Keepable | None = self._mind.predictor
+        self.learners: Keepable | None = self._mind.known
         """What can be kept of what is learned; None if there is nothing of that kind."""
         self._kept = frozenset(kept)
         self._first = config.assist.group if config.assist else ""  # of old recordings
@@ -130,8 +140,17 @@ class Relearner:
             told = {key: event.data[key] for key in keys}
             group = event.data.get("group")
             self._mind.change(told, group if isinstance(group, str) else None)
+        elif event.kind in ("reward", "trial"):
+            self._please(event.data)
         elif event.kind == "learn":
             self._ask(event.data)
+
+    def _please(self, told: Mapping[str, Value]) -> None:
+        """What was rewarded, or marked in a trial."""
+        reward, group = told.get("reward"), told.get("group")
+        if isinstance(reward, int | float):
+            self._mind.rewards.give(float(reward), group if isinstance(group, str) else None)
+        self._mind.rewards.marked(str(told.get("mark", "")))
 
     def _ask(self, told: Mapping[str, Value]) -> None:
         """What clients had learned, forgotten or begun anew."""

@@ -1,5 +1,6 @@
 """A recording behind a socket of its own: the API of the arm that it is of, and the keys of a player."""
 
+import logging
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -8,10 +9,11 @@ from typing import Annotated, TypeVar
 from bentod.config import Config
 from bentod.contracts import Clock
 from bentod.desk import Desk
-from bentod.errors import BentodError, Refused
+from bentod.errors import BentodError, ConfigError, Refused
 from bentod.frames import EmgBlock, Event, Frame, Value
-from bentod.furnish import about, furnished
+from bentod.furnish import about, furnished, mind_of
 from bentod.inbox import Answer, Inbox
+from bentod.mind import Mind
 from bentod.replay.player import FASTEST, Player, Source, Span
 from bentod.serve.methods import arm_methods
 from bentod.serve.params import Flag, Number
@@ -22,6 +24,8 @@ from bentod.serve.session import Session
 from bentod.serve.spec import Handler, Method, table
 
 T = TypeVar("T")
+
+_log = logging.getLogger(__name__)
 
 
 class _Quiet(Inbox):
@@ -36,7 +40,7 @@ class _Quiet(Inbox):
         if self.newest is None:
             raise Refused("nothing has been played yet")
         for group in self.newest.groups:
-            self._desk.groups.activate(group.name, group.active)
+            self._desk.groups.activate(group.name, group.active).together = group.together
         return Answer(request(self._desk), self.newest)
 
     def post(self, request: Callable[[Desk], T]) -> None:
@@ -49,7 +53,7 @@ class Stage:
     def __init__(self, tape: Source, span: Span, config: Config, clock: Clock, socket: Path) -> None:
         """`config`: the recording's own."""
         joints = len(config.joints)
-        self._inbox = _Quiet(furnished(config, [False] * joints, None))
+        self._inbox = _Quiet(furnished(config, [False] * joints, None, standing_by(config)))
         self._room = Room(self._inbox, about(config))
         self.player = Player(tape, span, clock, self._publish)
         methods = {name: self._shown(method) for name, method in arm_methods(self._room).items()}
@@ -118,6 +122,17 @@ class Stage:
             self.server.publish_event(entry)
         elif isinstance(entry, EmgBlock):
             self.server.publish_emg(entry)
+
+
+def standing_by(config: Config) -> Mind:
+    """As it was live, or without learners if the snapshot of an adviser is gone: here they only stand by."""
+    try:
+        return mind_of(config)
+    except ConfigError as error:
+        if not (config.learn and config.learn.advisers):
+            raise
+        _log.warning("What was learned cannot be asked for: %s", error)
+        return mind_of(config.model_copy(update={"learn": None, "assist": None, "assists": ()}))
 
 
 async def _refuse(session: Session, *values: Value) -> Value:

@@ -68,6 +68,7 @@ def _moving(arm: ArmMethods, tuning: TuningMethods, sitting: SessionMethods) -> 
         tuning.emg_set,
         tuning.emg_pause,
         tuning.assist_set,
+        tuning.reward,
         sitting.set_meta,
         sitting.trial_start,
         sitting.trial_mark,

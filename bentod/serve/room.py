@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from bentod.contracts import FaultInjector
+from bentod.control.groups import Group
 from bentod.errors import BadRequest, nearest
 from bentod.frames import Frame, JointSpec, Value
 from bentod.inbox import Inbox
@@ -67,9 +68,9 @@ class Room:
             raise BadRequest(f"there is no joint '{joint}'{nearest(joint, names)}", "joint")
         return names.index(joint)
 
-    def active(self, joint: int) -> Value:
-        """What a method answers that changed or moved a group's active joint."""
-        return {"active": self.about.joints[joint].name}
+    def active(self, group: Group) -> Value:
+        """What a method answers that changed or moved what is selected in a group."""
+        return {"active": self.about.joints[group.active].name, "together": group.together}
 
     def _vanish(self, session: int) -> None:
         self._attached.discard(session)

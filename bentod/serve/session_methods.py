@@ -40,7 +40,7 @@ class SessionMethods:
         self, session: Session, mark: Annotated[str, Text("circuit, contact, or what you like", 64)]
     ) -> Value:
         """Note something that happened in the trial, as an event."""
-        return _shown((await self._room.inbox.ask(lambda desk: desk.trials.mark(mark))).result)
+        return _shown((await self._room.inbox.ask(lambda desk: desk.mark_trial(mark))).result)
 
     async def get_recording(self, session: Session) -> Value:
         """How the recording goes: file, bytes, what was dropped, and why it ended, if it did."""

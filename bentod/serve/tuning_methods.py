@@ -2,6 +2,7 @@
 
 from typing import Annotated
 
+from bentod.contracts_assist import TIMESCALE_BY
 from bentod.control.leases import Holder
 from bentod.errors import Refused
 from bentod.frames import Value
@@ -19,7 +20,7 @@ class TuningMethods:
         self._room = room
 
     async def group_list(self, session: Session) -> Value:
-        """The joint groups, their joints and which one is active."""
+        """The joint groups, their joints, which one is active, and whether all are selected together."""
         return (await self._room.inbox.ask(lambda desk: desk.describe_groups())).result
 
     async def group_command(
@@ -29,11 +30,14 @@ class TuningMethods:
         effort: Annotated[float, Number("", -1, 1, "share of the active joint's top speed")],
         lease_s: Lease = 0.2,
     ) -> Value:
-        """Move a group's active joint at a share of its top speed, as muscles would."""
+        """Move a group's active joint at a share of its top speed, as muscles would.
+
+        While all joints are selected together, it pushes them on along the learned path, or pulls them back.
+        """
         holder = Holder(session.id, session.client)
         self._room.attach(session)
         answer = await self._room.inbox.ask(lambda desk: desk.group_command(group, effort, holder, lease_s))
-        return self._room.active(answer.result.active)
+        return self._room.active(answer.result)
 
     async def group_toggle(
         self,
@@ -41,15 +45,15 @@ class TuningMethods:
         group: GroupName,
         direction: Annotated[str, Text("which way", choices=("forward", "backward"))] = "forward",
     ) -> Value:
-        """Make the next or the previous joint of a group active; returns its name."""
+        """Select the next or the previous joint of a group, or all together where an assist offers that."""
         steps = 1 if direction == "forward" else -1
         answer = await self._room.inbox.ask(lambda desk: desk.toggle(group, steps, session.client))
-        return self._room.active(answer.result.active)
+        return self._room.active(answer.result)
 
     async def group_activate(self, session: Session, group: GroupName, joint: Joint) -> Value:
         """Make a joint the active one of its group."""
         answer = await self._room.inbox.ask(lambda desk: desk.activate(group, joint, session.client))
-        return self._room.active(answer.result.active)
+        return self._room.active(answer.result)
 
     async def emg_get(self, session: Session) -> Value:
         """The EMG sites with gain, threshold and max, the pairs, and whether EMG is paused."""
@@ -81,13 +85,18 @@ class TuningMethods:
     async def assist_set(
         self,
         session: Session,
-        mode: Annotated[str | None, Text("which assist, e.g. off, dpcc or dpcc_confident", 32)] = None,
+        mode: Annotated[str | None, Text("which assist, e.g. off, or dpcc+adaptive_switching", 131)] = None,
         k: Annotated[float | None, Number("", 1e-4, 0.9999, "share of the way in one tick")] = None,
         timescale: Annotated[float | None, Number("ticks", 1, 10_000, "which prediction to follow")] = None,
         velocity_limit_rad_s: Annotated[
             float | None, Number("rad/s", 1e-3, 10, "top speed it may use")
         ] = None,
         manual_after_toggle_s: Annotated[float | None, Number("s", 0, 10, "no assist after a toggle")] = None,
+        timescale_by: Annotated[
+            str | None, Text("how another timescale is found", choices=TIMESCALE_BY)
+        ] = None,
+        toggle_reward: Annotated[float | None, Number("", -10, 10, "what a toggle is worth to that")] = None,
+        contact_reward: Annotated[float | None, Number("", -10, 10, "what a mark 'contact' is worth")] = None,
         group: HelpedGroup = None,
         options: Annotated[Value, Free("a table of the mode's own settings; nil leaves them")] = None,
     ) -> Value:
@@ -98,10 +107,23 @@ class TuningMethods:
             "timescale": timescale,
             "velocity_limit_rad_s": velocity_limit_rad_s,
             "manual_after_toggle_s": manual_after_toggle_s,
+            "timescale_by": timescale_by,
+            "toggle_reward": toggle_reward,
+            "contact_reward": contact_reward,
             "options": options,
         }
         changes: dict[str, Value] = {name: value for name, value in given.items() if value is not None}
         await self._room.inbox.ask(lambda desk: desk.change_assist(changes, group))
+        return None
+
+    async def reward(
+        self,
+        session: Session,
+        value: Annotated[float, Number("", -10, 10, "above 0: pleased; below 0: not")],
+        group: Annotated[str | None, Text("group name; nil for all")] = None,
+    ) -> Value:
+        """Tell the arm how well it did just now, as with a button for good or bad."""
+        await self._room.inbox.ask(lambda desk: desk.reward(value, session.client, group))
         return None
 
     async def inject(

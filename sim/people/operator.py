@@ -29,6 +29,9 @@ BACKWARD = 0.3
 MANUAL = 0.5
 """s after a toggle in which the arm does not help, as who trusts it has learned (thesis 5.3)."""
 
+SKIM = 0.02
+"""rad beyond the first touch of a wall that whoever is lenient lets the rod slide along it; assumed."""
+
 RELUCTANCE = 4.0
 """How many times more worth it must be to go back from a wall that was not touched; assumed."""
 
@@ -61,7 +64,7 @@ class Operator:
         self.trust = Trust(traits.autonomy, self._draw)
         self._next = -math.inf
         self._leg = -1
-        self._margin = traits.caution.margin
+        self._kept = self._margin = traits.caution.margin
         self._toggle_after = False
         self._touching = False
         self._astray = 0.0
@@ -107,9 +110,11 @@ class Operator:
         if seen.leg != self._leg:
             self._leg = seen.leg
             caution = self.traits.caution
-            self._margin = max(0.0, self._draw.gauss(caution.margin, caution.scatter))
+            self._kept = max(0.0, self._draw.gauss(caution.margin, caution.scatter))
+        lenient = self.traits.caution.lenience * self.trust.trust if look.assisted else 0.0
+        self._margin = self._kept - lenient * (self._kept + SKIM)
         self._notice_joint(look, now)
-        self._notice_wall(look, seen.touching, now)
+        self._notice_wall(look, seen.pressing or (seen.touching and self._margin >= 0), now)
         if not self._switch.busy:
             self._notice_arm(look, now, course)
         if now >= self._next and not self._switch.busy:

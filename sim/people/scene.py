@@ -19,6 +19,7 @@ class View:
     touching: bool  # the rod touches a wall
     leg: int  # of the circuit, from 0
     assisted: bool  # the operator was told that the arm may help
+    pressing: bool = False  # it touches so hard that it bends
 
 
 @dataclass(frozen=True, slots=True)

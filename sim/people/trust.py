@@ -19,7 +19,7 @@ SEEN = 0.7
 OWN_DOING = 0.25
 """s after a change of the joint, in which the other joint's motion is still one's own; assumed."""
 
-LASTING = 0.25
+LASTING = 0.08
 """Share of a loss of trust that habit does not soften; assumed."""
 
 CONFIRMED = 0.1

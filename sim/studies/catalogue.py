@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 
-from sim.studies import boosting, cliffs
+from sim.studies import boosting, cliffs, study_maze, study_waypoints
 from sim.studies.study import Study
 
 STUDIES: Mapping[str, Study] = {
     "cliffs": cliffs.STUDY,
     "boosting": boosting.STUDY,
+    "waypoints": study_waypoints.STUDY,
+    "maze": study_maze.STUDY,
 }

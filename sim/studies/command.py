@@ -10,7 +10,7 @@ from bentod.analysis.extras import load_extra
 from bentod.cli.telling import echo_table, errors_as_sentences
 from bentod.errors import BadRequest, nearest
 from sim.studies.catalogue import STUDIES
-from sim.studies.study import CLAIM_HEAD, SETTING_HEAD, Findings, Study
+from sim.studies.study import CLAIM_HEAD, SETTING_HEAD, Findings, People, Study
 
 Write = Callable[[Study, Findings, str, Path], Sequence[Path]]
 
@@ -21,8 +21,21 @@ Write = Callable[[Study, Findings, str, Path], Sequence[Path]]
     "--seed", default=1, show_default=True, type=click.IntRange(0, 2**32 - 1), help="Of all chance."
 )
 @click.option("--minutes", type=float, help="Simulated; default: as long as the thesis, or as it takes.")
+@click.option("--operators", type=click.IntRange(1, 200), help="How many take part, where any do.")
+@click.option("--circuits", type=click.IntRange(1, 1000), help="Of each kind, where operators do them.")
+@click.option("--modes", default="", help="Assists, with commas; default: all that the study knows.")
+@click.option("--jobs", default=1, show_default=True, type=click.IntRange(1, 64), help="Processes at once.")
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder; default: study-NAME.")
-def study(name: str | None, seed: int, minutes: float | None, out: Path | None) -> None:
+def study(
+    name: str | None,
+    seed: int,
+    minutes: float | None,
+    operators: int | None,
+    circuits: int | None,
+    modes: str,
+    jobs: int,
+    out: Path | None,
+) -> None:
     """Run a study again: claims to the terminal; report, figures and numbers to a folder.
 
     Without NAME, tell what studies there are. Exits with 1 if a claim of the thesis does not come out.
@@ -32,28 +45,43 @@ def study(name: str | None, seed: int, minutes: float | None, out: Path | None) 
             click.echo(f"{known:10} {one.about}")
         return
     with errors_as_sentences():
-        held = _run(name, seed, minutes, out or Path(f"study-{name}"))
+        people = People(operators, circuits, tuple(filter(None, modes.split(","))), jobs)
+        held = _run(name, seed, minutes, people, out or Path(f"study-{name}"))
     raise SystemExit(0 if held else 1)
 
 
-def _run(name: str, seed: int, minutes: float | None, out: Path) -> bool:
+def _run(name: str, seed: int, minutes: float | None, people: People, out: Path) -> bool:
     """Whether all claims hold.
 
     Raises:
-        BadRequest: no such study, or too short a time for it.
+        BadRequest: no such study, too short a time for it, or it knows no such people or assists.
         MissingExtra: there is no matplotlib.
         OSError: a file cannot be written.
     """
     chosen = _chosen(name)
-    length = chosen.minutes if minutes is None else _long_enough(chosen, name, minutes)
+    run, how = _ordered(chosen, name, seed, minutes, people)
     write = cast("Write", load_extra("sim.studies.report:write"))
     out.mkdir(parents=True, exist_ok=True)  # before long work, not after it
-    findings = chosen.run(seed, length)
+    findings = run()
     _tell(chosen, findings)
-    how = f"bentod study {name} --seed {seed} --minutes {length:g}"
     for path in write(chosen, findings, how, out):
         click.echo(str(path))
     return findings.hold
+
+
+def _ordered(
+    chosen: Study, name: str, seed: int, minutes: float | None, people: People
+) -> tuple[Callable[[], Findings], str]:
+    """What runs the study, and the command that does it again."""
+    take_part = chosen.people
+    if take_part is not None:
+        if minutes is not None:
+            raise BadRequest(f"'{name}' takes as long as its operators do: use --circuits", "minutes")
+        return lambda: take_part(seed, people), f"bentod study {name} --seed {seed}{people.words}"
+    if people.words:
+        raise BadRequest(f"no operators take part in '{name}':{people.words} means nothing", "operators")
+    length = chosen.minutes if minutes is None else _long_enough(chosen, name, minutes)
+    return lambda: chosen.run(seed, length), f"bentod study {name} --seed {seed} --minutes {length:g}"
 
 
 def _chosen(name: str) -> Study:
@@ -76,6 +104,10 @@ def _tell(chosen: Study, findings: Findings) -> None:
     click.echo()
     echo_table(findings.comparison[0], findings.comparison[1:])
     click.echo()
+    for listing in findings.listings:
+        click.echo(f"{listing.title}\n")
+        echo_table(listing.rows[0], listing.rows[1:])
+        click.echo(f"{listing.note}\n" if listing.note else "")
     echo_table(SETTING_HEAD, [(one.name, one.thesis, one.ours) for one in findings.settings])
     click.echo()
     for text in (findings.simulated, *findings.remarks):

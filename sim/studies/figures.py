@@ -1,13 +1,14 @@
-"""Pictures of studies as figures. Needs matplotlib."""
+"""Pictures and charts of studies as figures. Needs matplotlib."""
 
 from collections.abc import Mapping
 
 import numpy as np
+from matplotlib.axes import Axes
 
-from bentod.analysis.drawing import COLOURS, INK, Drawn, curve, panels
+from bentod.analysis.drawing import COLOURS, INK, Drawn, blank, curve, panels
 from bentod.frames import Value
 from sim.studies.measures import nrmse
-from sim.studies.study import Picture, Role
+from sim.studies.study import Chart, Picture, Plot, Role
 
 BLUE, RED, GREEN = COLOURS[0], COLOURS[1], COLOURS[2]
 
@@ -40,3 +41,28 @@ def draw(picture: Picture) -> Drawn:
     axes[-1].set_xlabel(picture.axis)
     axes[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.02), ncols=len(ORDER))
     return Drawn(picture.name, picture.title, picture.caption, figure, {"nrmse_shown": errors})
+
+
+def draw_chart(chart: Chart) -> Drawn:
+    """A figure with a pair of axes for each plot, row by row."""
+    rows = -(-len(chart.plots) // chart.columns)
+    figure = blank(0.6 + chart.height * rows)
+    axes = figure.subplots(rows, chart.columns, squeeze=False).ravel().tolist()
+    for panel, plot in zip(axes, chart.plots, strict=False):
+        _plot(panel, plot)
+    for panel in axes[len(chart.plots) :]:
+        panel.set_axis_off()
+    return Drawn(chart.name, chart.title, chart.caption, figure, {})
+
+
+def _plot(panel: Axes, plot: Plot) -> None:
+    for line in plot.lines:
+        shape = {"marker": ".", "linestyle": "none"} if line.points else {"linewidth": line.width}
+        panel.plot(line.x, line.y, color=line.colour, label=line.label or None, **shape)
+    panel.set_title(plot.title, color=INK)
+    panel.set_xlabel(plot.x_axis)
+    panel.set_ylabel(plot.y_axis)
+    if plot.equal:
+        panel.set_aspect("equal", adjustable="datalim")
+    if any(line.label for line in plot.lines):
+        panel.legend(loc="best")

@@ -28,6 +28,9 @@ FELT = 0.003
 REST = 5.0
 """s"""
 
+PLAY = 0.025
+"""rad beyond a wall's surface that the rod and its mounting give way, so that it slides (5.5); assumed."""
+
 BOUNCE = 0.3
 """s without a touch, after which the next one is another contact; assumed."""
 
@@ -49,13 +52,18 @@ STEP, FARTHEST = 0.008, 60
 
 @dataclass(slots=True)
 class Maze:
-    """The maze as it is and as it is seen. `mirrored`: its other diagonal, for a change in mid-session."""
+    """The maze as it is and as it is seen. `mirrored`: its other diagonal, for a change in mid-session.
+
+    `both`: the arm's limits leave room for either, so that the change is one.
+    """
 
     mirrored: bool = False
+    both: bool = False
     name: str = "maze"
     leg: int = 0
     resting: bool = True
     touching: bool = False
+    pressing: bool = False
     contacts: int = 0
     circuits: int = 0
     _until: float = field(default=-1.0)
@@ -68,8 +76,10 @@ class Maze:
 
     @property
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """rad, by joint, that hold either maze."""
+        """rad, by joint."""
         (low, high), elbow = LIMITS
+        if self.both:
+            return (low, -low), elbow
         return ((-high, -low), elbow) if self.mirrored else LIMITS
 
     def step(self, time: float, position: Point) -> bool:
@@ -86,6 +96,10 @@ class Maze:
         self.leg = 1 - self.leg
         self.circuits += self.leg == 0
         return self.leg == 0
+
+    def resume(self) -> None:
+        """See `Task`."""
+        self.resting, self._until = True, -1.0
 
     def clearance(self, position: Point) -> float:
         """How far it is to the nearest wall (rad); negative behind it."""
@@ -109,6 +123,14 @@ class Maze:
             found = self._best(position, joint, sign, drift, margin, here)
             best = max(best, found, key=lambda way: way.gain)
         return replace(best, back=self._leads_back(position, joint, best.distance, drift))
+
+    def ahead(self, position: Point, by: float) -> Point:
+        """The spot of the centre line that is `by` (rad) further on the leg than `position` is."""
+        along, _, total = self._along(position)
+        wanted = along - by if self.leg else along + by
+        wanted = min(max(wanted, -PRESSED), total + PRESSED)
+        x, y = _spot(wanted)
+        return (-x, y) if self.mirrored else (x, y)
 
     def place(self, position: Point) -> int:
         """See `Course`: the leg, and each 0.07 rad of it."""
@@ -141,7 +163,8 @@ class Maze:
         return x <= yx + FELT and abs(y - yy) <= EXPOSED
 
     def _feel(self, time: float, position: Point) -> None:
-        self.touching = self.clearance(position) <= 0.0
+        clearance = self.clearance(position)
+        self.touching, self.pressing = clearance <= 0.0, clearance <= -PLAY
         if self.touching:
             self.contacts += time - self._touched > BOUNCE
             self._touched = time
@@ -164,3 +187,13 @@ class Maze:
                 nearest, along = off, before + share * length
             before += length
         return along, nearest, before
+
+
+def _spot(along: float) -> Point:
+    """Where the centre line is, `along` (rad) from its beginning; it goes on at its ends."""
+    for i, ((ax, ay), (bx, by)) in enumerate(pairwise(CENTRE)):
+        length = hypot(bx - ax, by - ay)
+        if along <= length or i == len(CENTRE) - 2:
+            break
+        along -= length
+    return ax + along / length * (bx - ax), ay + along / length * (by - ay)

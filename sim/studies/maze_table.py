@@ -3,7 +3,7 @@
 import statistics
 from collections.abc import Sequence
 
-from sim.studies.session import CircuitResult
+from sim.studies.stage import CircuitResult
 
 HEAD = (
     *("Subject", "Timescale (ts)"),

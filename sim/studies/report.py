@@ -10,8 +10,8 @@ from bentod.analysis import page
 from bentod.analysis.drawing import Drawn, save, style, svg
 from bentod.analysis.page import Section
 from bentod.contracts import Vector
-from sim.studies.figures import draw
-from sim.studies.study import CLAIM_HEAD, SETTING_HEAD, Findings, Study
+from sim.studies.figures import draw, draw_chart
+from sim.studies.study import CLAIM_HEAD, SETTING_HEAD, Findings, Listing, Study
 
 NRMSE = (
     "NRMSE: root mean square error against the ideal prediction, as a share of the standard deviation of the "
@@ -29,11 +29,15 @@ def write(study: Study, findings: Findings, how: str, out: Path) -> tuple[Path, 
     """
     with style():
         drawn = [draw(picture) for picture in findings.pictures]
+        drawn += [draw_chart(chart) for chart in findings.charts]
     paths = [out / "report.html", out / "claims.csv", out / "settings.csv", out / "series.csv"]
     paths[0].write_text(_page(study, findings, drawn, how), encoding="utf-8")
     _rows(paths[1], CLAIM_HEAD, [claim.row for claim in findings.claims])
     _rows(paths[2], SETTING_HEAD, [(one.name, one.thesis, one.ours) for one in findings.settings])
     _columns(paths[3], findings.series)
+    for listing in (Listing("comparison", "", findings.comparison), *findings.listings):
+        paths.append(out / f"{listing.name}.csv")
+        _rows(paths[-1], listing.rows[0], listing.rows[1:])
     for figure in drawn:
         paths.append(out / f"figure-{figure.name}.png")
         save(figure, paths[-1])
@@ -51,6 +55,7 @@ def _page(study: Study, findings: Findings, drawn: Sequence[Drawn], how: str) ->
         Section("claims", "What must come out, and does it?", _claims(findings)),
         Section("figures", "Figures", figures, entries),
         Section("comparison", "Beside others", page.table(findings.comparison[0], findings.comparison[1:])),
+        *(_listing(listing) for listing in findings.listings),
         Section("settings", "Settings", page.table(SETTING_HEAD, settings, "settings-table")),
         Section("simulated", "What is simulated", _words(findings)),
         Section("again", "Run it again", page.block(how)),
@@ -71,6 +76,11 @@ def _claims(findings: Findings) -> str:
         + page.table(CLAIM_HEAD, rows, "claims-table")
         + page.paragraph(note + "the best constant has 1.", "note")
     )
+
+
+def _listing(listing: Listing) -> Section:
+    told = page.paragraph(listing.note, "note") if listing.note else ""
+    return Section(listing.name, listing.title, page.table(listing.rows[0], listing.rows[1:]) + told)
 
 
 def _words(findings: Findings) -> str:

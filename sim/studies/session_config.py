@@ -4,10 +4,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 from bentod.config import Config
+from bentod.config_learn import ARM, Learn
 from bentod.config_tables import Record
 from bentod.frames import Value
 from sim.people.electrodes import FULL, THRESHOLD
 from sim.people.scene import Point
+from sim.studies.representations import seeing
 
 GROUP = "arm"
 
@@ -20,15 +22,20 @@ TOP = 0.8
 
 @dataclass(frozen=True, slots=True)
 class Help:
-    """The assist's settings: timescale (steps), k of (5.1), and its mode; "off" leaves every circuit solo."""
+    """The assist's settings; without change, those of the author's first session in appendix B."""
 
-    timescale: float = 10.0
-    k: float = 0.1
-    mode: str = "dpcc"
+    timescale: float = 10.0  # steps
+    k: float = 0.1  # of (5.1)
+    mode: str = "dpcc"  # "off" leaves every circuit solo
+    learned: tuple[float, ...] = ()  # further timescales (steps) that are predicted
+    sees: str = ARM  # what positions are predicted from: "arm", or one of `SEEING`
 
 
 MAZE_HELP = Help()
 """Appendix B, the author's first session."""
+
+OURS = Help(timescale=20.0, mode="dpcc_confident")
+"""Help that is gated by its confidence, with the defaults of its options."""
 
 WAYPOINTS_HELP = Help(timescale=20.0, k=0.025)
 """Thesis 5.4."""
@@ -58,16 +65,23 @@ def configured(
     ]
     table: dict[str, Value] = {
         "arm": "Bento Arm (simulated)",
-        "driver": {"name": driver, "seed": seed},
+        "driver": {"name": driver, "seed": seed, "start_rad": dict(zip(names, start, strict=True))},
         "joints": joints,
         "groups": [{"name": GROUP, "joints": list(names)}],
         "safety": {"start": "active"},
-        "learn": {"joints": list(names), "timescales": [help.timescale]},
         "assist": {"mode": "off", "group": GROUP, "timescale": help.timescale, "k": help.k},
     }
     if through == "emg":
         table["emg"] = _muscles()
-    return Config.model_validate(table).model_copy(update={"record": Record(enabled=False)})
+    learn = learning(help, names)
+    return Config.model_validate(table).model_copy(update={"learn": learn, "record": Record(enabled=False)})
+
+
+def learning(help: Help, joints: tuple[str, str]) -> Learn:
+    """The table [learn]: the thesis', but for what `help` says."""
+    own = () if help.sees == ARM else (seeing(help.sees, joints, GROUP, SPEED, TOP),)
+    timescales = tuple(sorted({help.timescale, *help.learned}))
+    return Learn(joints=joints, timescales=timescales, representation=help.sees, representations=own)
 
 
 def _muscles() -> Value:

@@ -75,6 +75,51 @@ class Picture:
 
 
 @dataclass(frozen=True, slots=True)
+class Line:
+    """One curve, or loose points."""
+
+    x: Vector
+    y: Vector
+    colour: str
+    label: str = ""
+    points: bool = False
+    width: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Plot:
+    """Curves on one pair of axes."""
+
+    title: str
+    lines: tuple[Line, ...]
+    x_axis: str = ""
+    y_axis: str = ""
+    equal: bool = False  # whether both axes have the same scale
+
+
+@dataclass(frozen=True, slots=True)
+class Chart:
+    """A figure that is not a picture of predictions, yet to be drawn."""
+
+    name: str
+    title: str
+    caption: str
+    plots: tuple[Plot, ...]
+    columns: int = 1
+    height: float = 1.5  # inches, of a row
+
+
+@dataclass(frozen=True, slots=True)
+class Listing:
+    """A further table."""
+
+    name: str
+    title: str
+    rows: tuple[Sequence[str], ...]  # the first is the head
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Findings:
     """What came out of one run of a study."""
 
@@ -86,6 +131,8 @@ class Findings:
     simulated: str
     """What was simulated, and what about it is a guess."""
     remarks: tuple[str, ...] = ()
+    charts: tuple[Chart, ...] = ()
+    listings: tuple[Listing, ...] = ()
 
     @property
     def hold(self) -> bool:
@@ -94,11 +141,29 @@ class Findings:
 
 
 @dataclass(frozen=True, slots=True)
+class People:
+    """Who takes part in a study of operators, for how long, and helped how; None or empty: as usual."""
+
+    operators: int | None = None
+    circuits: int | None = None  # of each kind
+    modes: tuple[str, ...] = ()
+    jobs: int = 1  # processes; the findings are the same for any number of them
+
+    @property
+    def words(self) -> str:
+        """The options of a command that ask for them."""
+        given = (("operators", self.operators), ("circuits", self.circuits), ("modes", ",".join(self.modes)))
+        return "".join(f" --{name} {value}" for name, value in given if value)
+
+
+@dataclass(frozen=True, slots=True)
 class Study:
-    """An experiment that can be run again: equal seeds and minutes give equal findings."""
+    """An experiment that can be run again: equal seeds, and minutes or people, give equal findings."""
 
     title: str
     about: str  # one line
     run: Callable[[int, float], Findings]  # of a seed and minutes of simulated time
     minutes: float  # as in the thesis, or what it takes
     least_minutes: float
+    people: Callable[[int, People], Findings] | None = None
+    """Of a seed, if operators take part: then the number of minutes comes of what they do."""

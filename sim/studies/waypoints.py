@@ -32,6 +32,7 @@ class Waypoints:
     leg: int = 0
     resting: bool = False
     touching: bool = False
+    pressing: bool = False
     contacts: int = 0
     circuits: int = 0
     _until: float = field(default=0.0)
@@ -44,6 +45,9 @@ class Waypoints:
         if all(abs(a - b) <= TOLERANCE for a, b in zip(position, target, strict=True)):
             self.resting, self._until = True, time + DWELL
         return False
+
+    def resume(self) -> None:
+        """See `Task`; the first leg begins at once."""
 
     def value(self, position: Point, margin: float) -> float:
         """See `Course`: there are no walls, and so `margin` means nothing."""

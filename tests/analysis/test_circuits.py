@@ -64,6 +64,18 @@ def test_toggles_are_changes_of_the_active_joint_within_the_trial(tmp_path: Path
     assert found(tmp_path, [*entries, *events])[0].toggles == 3
 
 
+def test_selecting_all_joints_at_once_and_leaving_them_are_toggles(tmp_path: Path) -> None:
+    group = (GroupFrame("arm", ("shoulder_rotation", "elbow_flexion"), "elbow_flexion", 0.0, ""),)
+    entries = [replace(frame, groups=group) for frame in trial(10, 39, 60)]
+    told = [(12, True), (20, True), (30, False)]
+    events = [
+        replace(event, data={**event.data, "together": together})
+        for tick, together in told
+        for event in [switch(tick, "elbow_flexion")]
+    ]
+    assert found(tmp_path, [*entries, *events])[0].toggles == 2
+
+
 def test_activating_the_joint_that_was_active_from_the_start_is_no_toggle(tmp_path: Path) -> None:
     group = (GroupFrame("arm", ("shoulder_rotation", "elbow_flexion"), "elbow_flexion", 0.0, ""),)
     entries = [replace(frame, groups=group) for frame in trial(10, 39, 60)]

@@ -174,12 +174,13 @@ def test_what_is_wrong_with_a_request_is_told_in_one_line_with_exit_code_2(
 
 
 def test_groups_are_listed_toggled_and_set(ask: Ctl) -> None:
-    assert done(ask("activate", "hand", "gripper")) == "active: gripper\n"
-    assert done(ask("toggle", "hand")) == "active: wrist_rotation\n"
-    assert done(ask("toggle", "hand", "backward")) == "active: gripper\n"
+    assert done(ask("activate", "hand", "gripper")) == "active: gripper\ntogether: no\n"
+    assert done(ask("toggle", "hand")) == "active: wrist_rotation\ntogether: no\n"
+    assert done(ask("toggle", "hand", "backward")) == "active: gripper\ntogether: no\n"
     listed = answer(ask("--json", "groups"))
     assert isinstance(listed, list)
-    assert table(listed[1]) == {"name": "hand", "joints": list(JOINTS[2:]), "active": "gripper"}
+    told = {"name": "hand", "joints": list(JOINTS[2:]), "active": "gripper", "together": False}
+    assert table(listed[1]) == told
     assert "  joints: wrist_rotation, wrist_flexion, gripper" in done(ask("groups")).splitlines()
 
 
@@ -205,6 +206,13 @@ def test_emg_is_shown_tuned_and_paused(arm: BlockingClient, ask: Ctl) -> None:
     assert not table(state(arm)["emg"])["paused"]
     done(ask("emg-pause"))
     assert table(state(arm)["emg"])["paused"]
+
+
+def test_a_reward_is_given_to_a_group_or_to_all(ask: Ctl) -> None:
+    done(ask("reward", "-1"))
+    done(ask("reward", "0.5", "--group", "arm"))
+    assert "there is no group 'leg'" in ask("reward", "1", "--group", "leg").stderr
+    assert ask("reward", "11").exit_code == 2
 
 
 def test_assist_is_shown_and_tuned(ask: Ctl) -> None:
@@ -296,6 +304,32 @@ def test_the_state_is_watched_until_ctrl_c(
         eventually(lambda: len(said()) > 4)
         ticks = [json.loads(line)["tick"] for line in said()[:4]]
         assert ticks == sorted(set(ticks))
+
+
+def test_questions_are_asked_shown_begun_anew_and_forgotten(arm: BlockingClient, ask: Ctl) -> None:
+    def told() -> dict[str, list[str]]:
+        lines = [line.split() for line in done(ask("gvfs")).splitlines()]
+        return {words[0]: words[1:] for words in lines}
+
+    done(ask("gvf-add", "push", "abs(elbow_flexion.velocity)", "timescale_s=0.5", "variance=on"))
+    assert told()["GVF"] == ["predicts", "confidence", "surprise", "error", "share", "of", "sd"]
+    assert {"elbow_flexion.position@20", "push", "push.variance"} <= told().keys()
+    eventually(lambda: float(told()["push"][0]) >= 0)
+    shown = answer(ask("--json", "gvfs"))
+    assert isinstance(shown, list)
+    push = next(found for found in map(table, shown) if found["name"] == "push")
+    assert push["cumulant"] == "abs(elbow_flexion.velocity)"
+    done(ask("gvf-reset", "push", "elbow_flexion.position@20"))
+    assert "remove it first" in failed(ask("gvf-remove", "push"), 2)
+    done(ask("gvf-remove", "push", "push.variance"))
+    assert "push" not in told()
+
+
+def test_a_question_that_cannot_be_asked_is_one_line(ask: Ctl) -> None:
+    assert "did you mean 'timescale'" in failed(ask("gvf-add", "push", "1", "timescal=5"), 2)
+    assert "needs exactly one of timescale" in failed(ask("gvf-add", "push", "1"), 2)
+    assert "there is no GVF 'elbow'" in failed(ask("gvf-reset", "elbow"), 2)
+    assert ask("gvf-remove").exit_code == 2
 
 
 def test_who_is_connected_is_shown(arm: BlockingClient, ask: Ctl) -> None:

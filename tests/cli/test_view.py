@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from bentod.cli.show import state_text
 from bentod.cli.view import WIDTH, Range, lines
 from bentod.frames import (
     AssistFrame,
@@ -118,6 +119,29 @@ def test_each_joint_has_angle_velocity_mode_expectation_and_mover_in_degrees() -
 def test_only_the_joint_that_the_wearer_has_selected_is_marked() -> None:
     assert [line.startswith("  ▸ ") for line in seen(FRAME)[3:5]] == [True, False]
     assert "▸" not in "".join(seen(replace(FRAME, groups=())))
+
+
+def test_all_joints_are_marked_while_they_are_selected_together_and_the_offer_is_told() -> None:
+    together = replace(FRAME, groups=(replace(FRAME.groups[0], together=True),))
+    assert [line.startswith("  ▸ ") for line in seen(together)[3:5]] == [True, True]
+    assert line_of(together, "together") == "  together  push to go on, pull to go back, toggle to leave"
+    offered = replace(FRAME, assist=replace(FRAME.assist, offers_together=True))
+    assert line_of(offered, "together") == "  together  may be selected"
+    assert line_of(FRAME, "together") == ""
+
+
+def test_a_state_in_words_says_what_is_selected_and_what_the_assist_does() -> None:
+    moving = replace(FRAME.assist, group="arm", moving={"elbow_flexion": -0.5})
+    told = state_text(dict(received(replace(FRAME, assist=moving)))).splitlines()
+    assert "arm: shoulder_rotation" in told[0]
+    assert told[-1] == f"  assist dpcc arm: {FRAME.assist.reason}   elbow_flexion -28.6°/s"
+    group, offering = (
+        replace(FRAME.groups[0], together=True),
+        replace(moving, moving={}, offers_together=True),
+    )
+    told = state_text(dict(received(replace(FRAME, groups=(group,), assist=offering)))).splitlines()
+    assert "arm: all together" in told[0]
+    assert told[-1].endswith("   (all together may be selected)")
 
 
 @pytest.mark.parametrize(

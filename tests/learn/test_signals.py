@@ -47,7 +47,13 @@ def test_everything_that_is_perceived_has_a_name_and_its_value() -> None:
         "arm.active.shoulder": 1.0,
         "arm.active.elbow": 0.0,
         "arm.toggled": 0.0,
+        "arm.together": 0.0,
+        "arm.reward": 0.0,
     }
+
+
+def test_a_reward_is_a_signal_of_the_group_that_it_is_given_to() -> None:
+    assert read(replace(SEEN, rewards={"arm": -1.5, "leg": 1.0}))["arm.reward"] == -1.5
 
 
 @pytest.mark.parametrize("freshness", [Freshness.STALE, Freshness.LOST])
@@ -77,6 +83,18 @@ def test_a_toggle_is_seen_in_the_tick_whose_active_joint_is_another() -> None:
     assert told == [0.0, 0.0, 1.0, 0.0]
     reader.restart()
     assert read(active("elbow"), reader)["arm.toggled"] == 0.0
+
+
+def test_selecting_all_joints_at_once_and_leaving_them_are_toggles_too() -> None:
+    reader = signals()
+    together = replace(SEEN, groups=(replace(GROUP, active="elbow", together=True),))
+    told = [read(percept, reader) for percept in (active("elbow"), together, together, active("elbow"))]
+    assert [found["arm.toggled"] for found in told] == [0.0, 1.0, 0.0, 1.0]
+    assert [found["arm.together"] for found in told] == [0.0, 1.0, 1.0, 0.0]
+    before, after = signals(), signals()
+    read(together, before)
+    after.recall(before.memory())
+    assert read(active("elbow"), after)["arm.toggled"] == 1.0
 
 
 def test_the_active_joint_is_remembered_from_one_session_to_the_next() -> None:
@@ -109,7 +127,7 @@ def test_two_signals_of_one_name_are_refused() -> None:
 
 
 def test_a_state_of_too_few_joints_is_refused() -> None:
-    with pytest.raises(ValueError, match="15 signals were declared, and 10 were read"):
+    with pytest.raises(ValueError, match="17 signals were declared, and 12 were read"):
         signals().read(replace(SEEN, state=State(1.0, JOINTS[:1])))
 
 

@@ -4,10 +4,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from bentod.learn.kernel import Kernel, choose
+from bentod.learn.lazy import Real
+from bentod.learn.lazy_compiled import missing
+from bentod.learn.lazy_numpy import NumpyKernel
 from bentod.learn.paths import below
 from bentod.learn.predictor import Predictor
 from bentod.learn.succession import Heritage, succeed
 from bentod.learn.unit import Unit
+from tests.learn.journeys import follow, new_group, random_journeys
 from tests.learn.predictors import gvf, live, new_predictor
 
 
@@ -18,6 +23,7 @@ def of_20(*names: str, **learn: object) -> tuple[Predictor, Unit]:
     return predictor, predictor.horde.units[0]
 
 
+KERNELS = [NumpyKernel(), *([] if missing() else [choose("compiled")])]
 ARM = ("shoulder.position@20", "elbow.position@20")
 
 
@@ -98,7 +104,7 @@ def test_the_joint_memory_of_units_is_told_apart_by_their_places() -> None:
 
 def test_a_unit_that_succeeds_another_is_where_that_was_to_the_last_bit() -> None:
     old_predictor, old = of_20("a", "b")
-    _, new = of_20("c", "b")
+    new = new_predictor(timescales=(20.0,), gvfs=[gvf(name=name) for name in "cb"]).horde.units[0]
     expected = old.memory()
     succeed(new, (*ARM, "c", "b"), [((*ARM, "a", "b"), old)], frozenset((*ARM, "b")))
     for key, array in new.memory().items():
@@ -108,6 +114,25 @@ def test_a_unit_that_succeeds_another_is_where_that_was_to_the_last_bit() -> Non
         np.testing.assert_array_equal(mine, theirs, err_msg=key)
     assert not weights(new)[:, 2].any()
     assert old_predictor.horde.units[0] is old
+
+
+@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.name.split()[0])
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_a_group_goes_on_where_another_was_in_the_middle_of_an_epoch(
+    kernel: Kernel, dtype: type[Real]
+) -> None:
+    for seed in range(12):
+        lived = random_journeys(seed, gvfs=3)
+        lived.gammas[:], lived.lams[:] = 0.9, 0.8
+        undisturbed, old, new = (new_group(lived, "true_online", kernel, dtype) for _ in range(3))
+        follow(undisturbed, lived, end=30 + seed)
+        follow(old, lived, end=30 + seed)
+        follow(new, lived, end=seed)  # whatever it was doing before
+        new.go_on(old, [2, 1, 0], [2, 1, 0])
+        mine, theirs = follow(new, lived, first=30 + seed), follow(undisturbed, lived, first=30 + seed)
+        np.testing.assert_array_equal(mine.predictions, theirs.predictions)
+        np.testing.assert_array_equal(mine.weights, theirs.weights)
+        np.testing.assert_array_equal(new.memory()["reach"], undisturbed.memory()["reach"])
 
 
 def test_a_group_goes_on_only_where_one_like_it_was() -> None:

@@ -10,11 +10,11 @@ from tests.learn.predictors import gvf, live, new_predictor, percept
 
 @pytest.fixture(scope="module")
 def predictor() -> Predictor:
-    """Ten seconds old, with one question beside those of the arm."""
+    """Five seconds old, with one question beside those of the arm."""
     own = gvf(timescale=5.0, variance=True, interval=2)
     raw = {"name": "raw", "raw": ["elbow.position"]}
     predictor = new_predictor(gvfs=[own, gvf(name="real", representation="raw")], representations=[raw])
-    live(predictor, 0, 300)
+    live(predictor, 0, 150)
     return predictor
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.learn import oracles
@@ -14,6 +14,7 @@ SIZE = 12
 Rule = Callable[[Stream, Vector, float, float], list[Vector]]
 unit = st.floats(0, 1)
 seeds = st.integers(0, 2**32 - 1)
+few = settings(max_examples=20)
 
 
 def random_stream(seed: int, steps: int = 40, alpha: float | None = 0.1) -> Stream:
@@ -33,6 +34,7 @@ def furthest(ours: list[Vector], theirs: list[Vector]) -> float:
 
 
 @pytest.mark.parametrize("alpha", [0.1, None], ids=["constant step size", "varying step size"])
+@few
 @given(seeds, unit, unit)
 def test_algorithm_1_and_5_2_to_5_4_are_one_rule(
     alpha: float | None, seed: int, gamma: float, lam: float
@@ -43,6 +45,7 @@ def test_algorithm_1_and_5_2_to_5_4_are_one_rule(
 
 
 @pytest.mark.parametrize("alpha", [0.1, None], ids=["constant step size", "varying step size"])
+@few
 @given(seeds, unit, unit)
 def test_the_rule_equals_the_forward_view_at_every_step(
     alpha: float | None, seed: int, gamma: float, lam: float
@@ -52,6 +55,7 @@ def test_the_rule_equals_the_forward_view_at_every_step(
     assert furthest(ours, oracles.online_lambda_return(stream, w, gamma, lam)) < 1e-10
 
 
+@few
 @given(seeds, unit, unit)
 def test_a_step_size_outside_the_trace_agrees_while_it_is_constant(
     seed: int, gamma: float, lam: float

@@ -91,8 +91,10 @@ frames = st.builds(
     emg=st.builds(
         EmgFrame, st.booleans(), st.booleans(), texts, integers, floats, integers, numbers, integers
     ),
-    groups=st.lists(st.builds(GroupFrame, texts, words, texts, floats, texts), max_size=2).map(tuple),
-    assist=st.builds(AssistFrame, texts, st.booleans(), texts, texts),
+    groups=st.lists(st.builds(GroupFrame, texts, words, texts, floats, texts, st.booleans()), max_size=2).map(
+        tuple
+    ),
+    assist=st.builds(AssistFrame, texts, st.booleans(), texts, texts, texts, numbers, st.booleans()),
     goal=st.none() | st.builds(GoalFrame, integers, texts, st.just("moving"), floats, texts),
     meta=values,
     gap=st.booleans(),

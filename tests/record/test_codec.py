@@ -15,8 +15,9 @@ from bentod.frames import AssistFrame, Frame, Freshness, JointSpec, Mode, Value
 from bentod.record.codec import ENCODERS, SCHEMAS, TOPICS, Plots, encode_log
 from bentod.record.decode import decode
 from bentod.record.descriptors import descriptor_set, field_names
+from bentod.record.field import Message
 from bentod.record.plain import from_json, joint_from_json, joint_to_json, to_json
-from bentod.record.schema import ENUMS, TABLE, Message
+from bentod.record.schema import ENUMS, TABLE
 from bentod.record.session import Entry
 from tests.record import strategies
 from tests.record.strategies import SLOW_IS_FINE, bits

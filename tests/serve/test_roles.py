@@ -53,6 +53,7 @@ def test_an_observer_can_look_and_ask_to_stop_and_nothing_else() -> None:
         "emg_get",
         "assist_get",
         "get_recording",
+        "gvf_list",
     }
 
 

@@ -38,9 +38,10 @@ def _bentod(*words: str) -> list[str]:
 
 @pytest.fixture
 def runtime(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A place of our own for the socket, so that nobody else's daemon is met."""
+    """A place of our own for the socket and what is kept, so that nobody else's daemon is met."""
     monkeypatch.delenv("RUNTIME_DIRECTORY", raising=False)
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     return tmp_path
 
 

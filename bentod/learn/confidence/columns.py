@@ -41,6 +41,8 @@ class Columns:
             ValueError: it is not that of such an estimator for as many GVFs; nothing has changed then.
         """
         check(memory, {name: array.shape for name, array in (self._own | self._shared).items()})
+        if spoilt := [name for name in self._shared if not np.isfinite(memory[name]).all()]:
+            raise ValueError(f"'{spoilt[0]}' must be finite.")
         for kept in (self._own, self._shared):
             for name, array in kept.items():
                 array[...] = memory[name]

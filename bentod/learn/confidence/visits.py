@@ -80,6 +80,9 @@ class Visits:
     def recall(self, memory: Mapping[str, NDArray[np.float64]]) -> None:
         """Become what `memory` told. Raises ValueError: it is not that of as many features."""
         check(memory, {"counts": self._counts.shape, "last": self._last.shape, "ticks": (1,)})
+        counts, ticks = memory["counts"], memory["ticks"]
+        if not (counts.min(initial=0) >= 0 and counts.max(initial=0) <= ticks[0] < math.inf):
+            raise ValueError("Visits are 0 or more, and no more than there were ticks.")
         self._counts = memory["counts"].copy()
         self._last = memory["last"].copy()
         self._ticks = float(memory["ticks"][0])

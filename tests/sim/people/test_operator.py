@@ -219,3 +219,24 @@ def test_people_of_a_population_have_possible_traits() -> None:
         assert 0.5 <= person.senses.prediction <= 1.0
         assert 0.0 <= person.autonomy.trust < 1.0
         assert person.caution.margin > 0
+
+
+def pushed(lenience: float, pressing: bool) -> float:
+    """Effort within 0.4 s after the rod of somebody who trusts the arm has touched a wall."""
+    traits = replace(AUTHOR, caution=replace(AUTHOR.caution, lenience=lenience))
+    operator, corner = Operator(traits, 3, SPEED), Corner()
+    operator.trust.trust = 1.0
+    total = 0.0
+    for i in range(60):
+        touching = i >= 30
+        view = View(
+            i * TICK, (0.0, 0.0), 1, 0, False, touching, 0, assisted=True, pressing=touching and pressing
+        )
+        effort = operator.step(view, corner).effort
+        total += abs(effort) * (36 <= i < 48)
+    return total
+
+
+def test_whoever_is_lenient_lets_the_rod_slide_along_a_wall_unless_it_presses() -> None:
+    assert pushed(1.0, pressing=False) > pushed(0.0, pressing=False)
+    assert pushed(1.0, pressing=False) > pushed(1.0, pressing=True)

@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 
 from sim.studies import command
 from sim.studies.catalogue import STUDIES
-from sim.studies.study import Claim, Findings, Panel, Picture, Setting, Study
+from sim.studies.study import Claim, Findings, Panel, People, Picture, Setting, Study
 
 
 def toy(seed: int, minutes: float) -> Findings:
@@ -55,7 +55,7 @@ def test_it_tells_claims_and_settings_and_what_is_simulated_and_where_it_wrote(t
     for told in ("the seed is not 13", "<noise>", "Everything is simulated.", "1 of 1 claims hold."):
         assert told in result.stdout
     written = sorted((tmp_path / "deep" / "toy").iterdir())
-    names = ["claims.csv", "figure-0.png", "report.html", "series.csv", "settings.csv"]
+    names = ["claims.csv", "comparison.csv", "figure-0.png", "report.html", "series.csv", "settings.csv"]
     assert [path.name for path in written] == names
     assert all(str(path) in result.stdout for path in written)
 
@@ -140,3 +140,28 @@ def test_a_value_that_is_no_number_holds_no_claim() -> None:
     assert not Claim("", "", float("nan"), "at least", 1).holds
     assert Claim("", "", 1.0, "at most", 1).holds
     assert Claim("", "", 1.0, "at least", 1).holds
+
+
+@pytest.mark.usefixtures("toys")
+def test_operators_are_refused_where_none_take_part(tmp_path: Path) -> None:
+    result = run("toy", "--operators", 3, "--out", tmp_path)
+    assert result.exit_code == 1
+    assert "no operators take part in 'toy': --operators 3 means nothing" in result.stderr
+
+
+def test_a_study_of_operators_is_told_who_takes_part_and_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[People] = []
+
+    def people(seed: int, given: People) -> Findings:
+        asked.append(given)
+        return toy(seed, 1.0)
+
+    monkeypatch.setattr(command, "STUDIES", {"toy": Study("Toy", "a toy", toy, 0.0, 0.0, people)})
+    result = run("toy", "--operators", 3, "--modes", "a,b", "--jobs", 2, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert asked == [People(3, None, ("a", "b"), 2)]
+    html = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "bentod study toy --seed 1 --operators 3 --modes a,b" in html
+    assert run("toy", "--minutes", 5, "--out", tmp_path).exit_code == 1

@@ -3,7 +3,7 @@
 import pytest
 
 from sim.people.scene import Point
-from sim.studies.maze import CENTRE, EXPOSED, HALF_WIDTH, REST, Maze
+from sim.studies.maze import CENTRE, EXPOSED, HALF_WIDTH, PLAY, REST, Maze
 from sim.studies.waypoints import DWELL, LEGS, ONE, TOLERANCE, Waypoints
 
 TICK = 1 / 30
@@ -137,3 +137,39 @@ def test_a_leg_to_a_way_point_is_gone_one_joint_after_the_other() -> None:
     assert task.way(ONE, 0, 0.0, 0.0).gain == 0
     assert task.way(ONE, 1, 0.0, 0.0).distance == pytest.approx(LEGS[0][1] - ONE[1])
     assert task.way((ONE[0], LEGS[0][1]), 0, 0.0, 0.0).distance > 0
+
+
+def test_the_spot_ahead_lies_on_the_centre_line_in_the_direction_of_the_leg() -> None:
+    there, back = Maze(resting=False), Maze(resting=False, leg=1)
+    assert there.ahead(CENTRE[0], 0.04) == pytest.approx((0.0, 0.04))
+    assert back.ahead(CENTRE[1], 0.04) == pytest.approx((0.0, 0.02))
+    assert there.clearance(there.ahead((-0.1, 0.2), 0.1)) == pytest.approx(HALF_WIDTH)
+    x, y = Maze(mirrored=True).ahead((0.1, 0.2), 0.1)
+    assert (-x, y) == pytest.approx(there.ahead((-0.1, 0.2), 0.1))
+
+
+def test_after_a_break_a_whole_rest_comes_first() -> None:
+    maze = Maze(resting=False)
+    tour = Tour(maze)
+    tour.stay(CENTRE[0], 100.0)
+    maze.resume()
+    tour.stay(CENTRE[0], REST - 2 * TICK)
+    assert rests(maze)
+    tour.stay(CENTRE[0], 4 * TICK)
+    assert not rests(maze)
+
+
+def test_limits_with_room_for_both_mazes_hold_either() -> None:
+    for single in (Maze().limits, Maze(mirrored=True).limits):
+        for (low, high), (lowest, highest) in zip(single, Maze(both=True).limits, strict=True):
+            assert lowest <= low
+            assert high <= highest
+
+
+def test_a_rod_that_goes_far_behind_a_wall_presses_and_one_at_its_surface_only_touches() -> None:
+    maze = Maze()
+    tour = Tour(maze)
+    tour.stay((HALF_WIDTH + 0.001, 0.03))
+    assert (maze.touching, maze.pressing) == (True, False)
+    tour.stay((HALF_WIDTH + PLAY + 0.001, 0.03))
+    assert maze.pressing

@@ -1,0 +1,43 @@
+"""All that a mind has learned, as one thing that can be kept and gone on with."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bentod.assist.help import Help
+from bentod.frames import Value
+from bentod.learn.paths import below, put_below
+from bentod.learn.predictor import Predictor
+
+
+class Known:
+    """What predictors know, and what was found out about how far to look ahead (`Keepable`)."""
+
+    def __init__(self, predictor: Predictor, helps: Sequence[Help]) -> None:
+        self._predictor = predictor
+        self._helps = tuple(helps)
+
+    def spec(self) -> Mapping[str, Value]:
+        """That of the questions; what it does not name has none."""
+        return self._predictor.spec()
+
+    def memory(self) -> dict[str, NDArray[np.float64]]:
+        """Copies of all that has been learned and is remembered."""
+        return self._predictor.memory() | {k: array for part in self.beside() for k, array in part.items()}
+
+    def beside(self) -> Iterator[dict[str, NDArray[np.float64]]]:
+        """The same without what the predictor knows: in parts, each copied when it is asked for."""
+        for help_ in self._helps:
+            yield put_below(f"assists/{help_.group}", help_.choice.memory())
+
+    def recall(self, spec: Mapping[str, Value], memory: Mapping[str, NDArray[np.float64]]) -> list[str]:
+        """Go on with what was learned before; returns the questions that it says nothing of.
+
+        Raises:
+            SnapshotError: it was learned from other representations, or is not such a memory.
+        """
+        new = self._predictor.recall(spec, memory)
+        for help_ in self._helps:
+            help_.choice.recall(below(memory, f"assists/{help_.group}"))
+        return new
