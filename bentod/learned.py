@@ -89,6 +89,7 @@ class _Copy:
 
     def __init__(self, horde: Horde, known: Known | None) -> None:
         self.horde = horde
+        self._spec = known.spec() if known else horde.spec()
         self._parts: Iterator[Mapping[str, NDArray[np.float64]]] = chain(
             horde.memories(), known.beside() if known else ()
         )
@@ -101,8 +102,8 @@ class _Copy:
         return part is not None
 
     def spec(self) -> Mapping[str, Value]:
-        """Of the horde."""
-        return self.horde.spec()
+        """Of all that is copied."""
+        return self._spec
 
     def memory(self) -> dict[str, NDArray[np.float64]]:
         """What has been copied."""

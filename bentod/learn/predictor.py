@@ -206,7 +206,7 @@ class Predictor:
 
     def spec(self) -> dict[str, Value]:
         """All that decides what the memory means."""
-        return self.horde.spec()
+        return self.horde.spec() | {"rate_hz": self._body.rate_hz}
 
     def memory(self) -> dict[str, NDArray[np.float64]]:
         """Copies of all that has been learned and is remembered."""
@@ -216,9 +216,14 @@ class Predictor:
         """Go on with what was learned before; returns the questions that it says nothing of.
 
         Raises:
-            SnapshotError: it was learned from other representations, or is not such a memory. Then nothing is
-                known, of any question.
+            SnapshotError: it was learned at another rate or from other representations, or is none. Then
+                nothing is known, of any question.
         """
+        rate = spec.get("rate_hz", self._body.rate_hz)
+        if rate != self._body.rate_hz:
+            raise SnapshotError(
+                f"it was learned at {rate!r} Hz, and a tick is another time at {self._body.rate_hz:g}"
+            )
         try:
             new = self.horde.recall(spec, memory)
         except SnapshotError:

@@ -166,15 +166,28 @@ class Operator:
         position = self._estimate(look, course)
         plan = self._plan(look, position, joint, course)
         other = course.way(position, 1 - joint, 0.0, self._margin)
-        needed = worth * (RELUCTANCE if plan.way.back and not self._touching else 1.0)
-        if plan.way.gain >= needed and not (plan.drift and self._rather_toggles(plan, other)):
+        tempting = other.gain >= self._needed(other)
+        leaves = tempting and plan.drift != 0.0 and self._rather_toggles(plan, other)
+        if plan.way.gain >= self._needed(plan.way) and not leaves:
             self._push(plan, joint, position, now, course, look.assisted)
-        elif other.gain >= worth:
+        elif tempting:
             self._switch.begin(now, prepared=False)
-        elif plan.way.gain >= worth:
-            self._push(plan, joint, position, now, course, look.assisted)
         else:
-            self._hand.rest()
+            without = plan if plan.way.gain >= worth else self._alone(position, joint, course)
+            if without.way.gain >= worth:
+                self._push(without, joint, position, now, course, look.assisted)
+            elif other.gain >= worth:
+                self._switch.begin(now, prepared=False)
+            else:
+                self._hand.rest()
+
+    def _alone(self, position: Point, joint: int, course: Course) -> _Plan:
+        """What a joint could do if the other one did not come along, against what is expected of it."""
+        return _Plan(course.way(position, joint, 0.0, self._margin), 1.0, 0.0)
+
+    def _needed(self, way: Way) -> float:
+        """What a way must be worth (rad) to be gone: before a toggle as after it, lest one dithers."""
+        return self.traits.caution.worth * (RELUCTANCE if way.back and not self._touching else 1.0)
 
     def _rather_toggles(self, plan: _Plan, other: Way) -> bool:
         """Whether the other joint is worth more a second, although it costs a toggle."""

@@ -53,7 +53,10 @@ def test_it_tells_what_is_learned_in_which_order_from_what_and_where_it_is_kept(
         ('cumulant = "1"\npolicy = "1"\n', "mine: policy: true_online learns on policy only"),
         ('cumulant = "1"\nalgorithm = "tdd"\n', "mine: algorithm tdd: 'tdd' is unknown; did you mean 'td'?"),
         ('cumulant = "prediction(\\"mine\\")"\n', "in a circle: mine -> mine"),
-        ('cumulant = "1"\ninterval = 1\n', "learn.gvfs.0: interval = 1: one weight vector makes no interval"),
+        (
+            'cumulant = "1"\ninterval = 1\n',
+            "learn.gvfs.0: interval: it takes 2 past weight vectors at least, or 0 for none",
+        ),
         (
             'cumulant = "1"\nalgorithm = "gtd"\noptions = { eta = -1 }\n',
             "The option eta must be 0 to 1000, not -1",

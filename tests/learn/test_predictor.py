@@ -1,17 +1,18 @@
 """What may change while learners run, and what of it the others notice: nothing."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from bentod.config_learn import Gvf
-from bentod.errors import BadRequest, ConfigError
+from bentod.config_learn import Gvf, Learn
+from bentod.errors import BadRequest, ConfigError, SnapshotError
 from bentod.learn import predictor as predictor_module
 from bentod.learn.lazy_compiled import missing
 from bentod.learn.predictor import MOST_WEIGHTS
 from bentod.learn.pupils import Together
-from tests.learn.predictors import gvf, live, new_predictor, percept, without
+from tests.learn.predictors import BODY, SMALL, gvf, live, new_predictor, percept, without
 
 KERNELS = ["numpy", *([] if missing() else ["compiled"])]
 
@@ -289,3 +290,11 @@ def test_a_cumulant_beyond_all_reason_spoils_nothing_but_its_own_question(algori
     frame = predictor.frame()
     values = (*frame.predictions.values(), *frame.surprise.values(), *frame.error.values())
     assert all(map(math.isfinite, values))
+
+
+def test_what_was_learned_at_another_rate_is_refused_because_a_tick_is_another_time() -> None:
+    learn = Learn.model_validate(SMALL)
+    predictor, faster = new_predictor(), predictor_module.Predictor(replace(BODY, rate_hz=60.0), learn)
+    live(predictor, 0, 20)
+    with pytest.raises(SnapshotError, match=r"learned at 30\.0 Hz, and a tick is another time at 60"):
+        faster.recall(predictor.spec(), predictor.memory())

@@ -86,7 +86,7 @@ def test_every_function_and_every_signal_has_a_line() -> None:
     shapes = [re.sub(r"<\w+>", r"[\\w-]+", pattern.replace(".", r"\.")) for pattern in patterns]
     learners = mind_of(config).learners
     names = learners.add(Gvf(name="{cumulant}", cumulant="*", timescale=5.0))
-    assert len(names) == 37
+    assert len(names) == 41
     assert [name for name in names if not any(re.fullmatch(shape, name) for shape in shapes)] == []
 
 
@@ -174,7 +174,7 @@ def _told(words: Sequence[str], place: Path) -> str:
 def test_every_study_that_the_page_names_can_be_run() -> None:
     listed = CliRunner().invoke(bentod, ["study"]).output.split("\n")
     named = [words[1] for words in COMMANDS if words[0] == "study"]
-    assert named == [line.split()[0] for line in listed if line]
+    assert set(named) <= {line.split()[0] for line in listed if line}
 
 
 def test_every_config_that_the_page_runs_is_shipped() -> None:

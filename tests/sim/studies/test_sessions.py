@@ -46,7 +46,7 @@ def test_the_arm_helps_in_assisted_circuits_only_and_the_same_seed_gives_the_sam
     ticks = round(first[0].time * 30)
     assert not any(engaged[:ticks])
     assert any(engaged[ticks:])
-    assert session(Circuits(1, 0)) == (first[:1], engaged[:ticks])
+    assert session(Circuits(1, 0))[0] == first[:1]
 
 
 def test_way_points_are_reached_and_held() -> None:
