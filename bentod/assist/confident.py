@@ -136,7 +136,8 @@ class ConfidentDpcc:
             helped.fade.shut()
             return 0.0, f"{name} {reason}"
         helped.fade.grow(self._period, self._options.fade)
-        wanted = self._wanted(joint, attended, situation) * helped.fade.gain * helped.trust.value
+        wanted = self._wanted(joint, attended, situation) * helped.fade.gain
+        wanted *= helped.trust.strength(self._options)
         threshold = DEAD_BAND * (1 if helped.fade.velocity * wanted > 0 else 2)
         if abs(wanted) < threshold:
             helped.fade.rest()

@@ -24,6 +24,8 @@ class ConfidentOptions:
     | `doubt` | 0..1 | share of the trust that a correction costs |
     | `hold_back` | 0..60 s | without help for a joint that was corrected |
     | `recovery` | above 0 up to 600 s | of undisturbed help, in which lost trust comes back |
+    | `first` | above 0 up to 1 | share of its strength with which help begins for a wearer who does not know it |
+    | `introduction` | 0..3600 s | of undisturbed help, in which that grows to all of it |
     """
 
     confidence: float = 0.75
@@ -37,6 +39,8 @@ class ConfidentOptions:
     doubt: float = 0.4
     hold_back: float = 2.0
     recovery: float = 5.0
+    first: float = 0.1
+    introduction: float = 30.0
 
     def __post_init__(self) -> None:
         for name, (least, most, unit) in _BOUNDS.items():
@@ -59,9 +63,11 @@ _BOUNDS = {
     "doubt": (0.0, 1.0, ""),
     "hold_back": (0.0, 60.0, " s"),
     "recovery": (0.0, 600.0, " s"),
+    "first": (0.0, 1.0, ""),
+    "introduction": (0.0, 3600.0, " s"),
 }
 
-_ABOVE = frozenset({"surprise", "acceleration", "slope", "recovery"})
+_ABOVE = frozenset({"surprise", "acceleration", "slope", "recovery", "first"})
 """Those that must be above their lower bound."""
 
 

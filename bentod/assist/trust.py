@@ -23,6 +23,7 @@ class Trust:
     def __init__(self) -> None:
         self.value = 1.0
         """0..1"""
+        self._introduced = 0.0  # s of undisturbed help so far
         self.corrections = 0
         """How often the wearer moved the joint back."""
         self.corrected = -math.inf
@@ -40,7 +41,15 @@ class Trust:
         self._helped += way
         self._until = now
         self._asking = False
+        self._introduced += period
         self.value += (1 - self.value) * min(period / options.recovery, 1.0)
+
+    def strength(self, options: ConfidentOptions) -> float:
+        """With what share of its strength help is welcome: little at first, so that nobody is startled by it."""
+        if options.introduction == 0:
+            return self.value
+        known = min(self._introduced / options.introduction, 1.0)
+        return self.value * (options.first + (1 - options.first) * known)
 
     def toggled(self, now: float, options: ConfidentOptions) -> None:
         """The wearer has selected another joint."""

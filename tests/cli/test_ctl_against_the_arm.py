@@ -245,7 +245,9 @@ def test_an_injected_fault_is_shown_and_cleared_once_its_cause_is_gone(arm: Bloc
 def test_the_state_is_a_line_for_each_joint_or_one_of_json(ask: Ctl) -> None:
     said = done(ask("state")).splitlines()
     assert said[0].startswith("tick ")
-    assert [line.split()[0] for line in said[1:]] == list(JOINTS)
+    named = [line.split()[0] for line in said[1:]]
+    assert named[: len(JOINTS)] == list(JOINTS)
+    assert set(named[len(JOINTS) :]) <= {"assist"}
     shown = table(answer(ask("--json", "state")))
     assert [found["name"] for found in tables(shown, "joints")] == list(JOINTS)
     assert table(tables(shown, "joints")[0]["predictions"]).keys() == {"10", "20"}
