@@ -28,19 +28,19 @@ class ConfidentOptions:
     | `introduction` | 0..3600 s | of undisturbed help, in which that grows to all of it |
     """
 
-    confidence: float = 0.75
+    confidence: float = 0.6
     hysteresis: float = 0.1
     surprise: float = 2.0
     familiarity: float = 0.5
-    fade: float = 1.0
+    fade: float = 0.3
     acceleration: float = 2.0
-    slope: float = 2.0
+    slope: float = 3.0
     astray: float = 0.02
-    doubt: float = 0.4
+    doubt: float = 0.15
     hold_back: float = 2.0
-    recovery: float = 5.0
-    first: float = 0.1
-    introduction: float = 30.0
+    recovery: float = 2.0
+    first: float = 0.2
+    introduction: float = 5.0
 
     def __post_init__(self) -> None:
         for name, (least, most, unit) in _BOUNDS.items():

@@ -17,8 +17,10 @@ from tests.fakes import PERIOD, at
 
 SHOULDER, ELBOW = 0, 1
 SPECS = tuple(JointSpec(name, -1.5, 1.5, 2.0, 0.0, {}) for name in ("shoulder_rotation", "elbow_flexion"))
-SETTINGS = AssistSettings(k=0.1, options={"fade": 0.5})
-OPTIONS = ConfidentOptions()
+STRICT = {"confidence": 0.75, "slope": 2.0, "doubt": 0.4, "recovery": 5.0, "introduction": 0.0}
+"""For somebody who knows the arm, and trusts it less than the defaults do."""
+SETTINGS = AssistSettings(k=0.1, options={**STRICT, "fade": 0.5})
+OPTIONS = ConfidentOptions(**STRICT)
 SURE = Evidence(confidence=0.9, surprise=0.1, familiarity=0.9)
 
 
@@ -245,7 +247,7 @@ def test_moving_a_joint_back_after_a_rest_is_a_way_back_and_no_correction() -> N
 
 
 def test_trust_that_a_correction_cost_comes_back_with_undisturbed_help() -> None:
-    arm = Arm(replace(SETTINGS, options={"recovery": 0.1, "hold_back": 1.0}))
+    arm = Arm(replace(SETTINGS, options={**STRICT, "recovery": 0.1, "hold_back": 1.0}))
     arm.live(1.0)
     correct(arm)
     assert arm.assist.told()["trust"] == {"shoulder_rotation": 1.0, "elbow_flexion": 0.6}
@@ -318,3 +320,14 @@ def test_an_option_out_of_its_bounds_is_refused_by_name_and_nothing_changes(name
 def test_a_misspelt_option_is_told_the_nearest_one() -> None:
     with pytest.raises(BadRequest, match=r"no option 'hold_bak'.*hold_back"):
         confident_options({"hold_bak": 1.0})
+
+
+def test_who_does_not_know_help_yet_gets_a_little_of_it_first_and_then_all() -> None:
+    known, new = (
+        Arm(),
+        Arm(replace(SETTINGS, options={**STRICT, "fade": 0.0, "first": 0.2, "introduction": 5.0})),
+    )
+    known.live(1.0)
+    first = new.live(0.3)[-1]
+    assert 0.2 * 0.3 < first < 0.6 * 0.3
+    assert new.live(6.0)[-1] == pytest.approx(known.live(6.0)[-1], abs=0.01)
