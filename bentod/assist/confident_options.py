@@ -24,7 +24,7 @@ class ConfidentOptions:
     | `doubt` | 0..1 | share of the trust that a correction costs |
     | `hold_back` | 0..60 s | without help for a joint that was corrected |
     | `recovery` | above 0 up to 600 s | of undisturbed help, in which lost trust comes back |
-    | `first` | above 0 up to 1 | share of its strength with which help begins for a wearer who does not know it |
+    | `first` | above 0 up to 1 | share of its strength with which help begins for who does not know it |
     | `introduction` | 0..3600 s | of undisturbed help, in which that grows to all of it |
     """
 

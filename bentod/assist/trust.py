@@ -45,7 +45,7 @@ class Trust:
         self.value += (1 - self.value) * min(period / options.recovery, 1.0)
 
     def strength(self, options: ConfidentOptions) -> float:
-        """With what share of its strength help is welcome: little at first, so that nobody is startled by it."""
+        """With what share of its strength help is welcome: little at first, so that nobody is startled."""
         if options.introduction == 0:
             return self.value
         known = min(self._introduced / options.introduction, 1.0)
