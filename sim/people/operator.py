@@ -32,6 +32,9 @@ MANUAL = 0.5
 SKIM = 0.02
 """rad beyond the first touch of a wall that whoever is lenient lets the rod slide along it; assumed."""
 
+PATIENCE = 1.5
+"""s for which nothing seems worth doing before one tries something all the same; assumed."""
+
 RELUCTANCE = 4.0
 """How many times more worth it must be to go back from a wall that was not touched; assumed."""
 
@@ -68,6 +71,7 @@ class Operator:
         self._toggle_after = False
         self._touching = False
         self._astray = 0.0
+        self._lost_since = math.inf
         self._time: float | None = None
 
     def circuit_done(self, assisted: bool) -> None:
@@ -161,6 +165,7 @@ class Operator:
         prepared, self._toggle_after = self._toggle_after, False
         if prepared:
             self._switch.begin(now, prepared=True)
+            self._lost_since = math.inf
             return
         joint, worth = self._switch.belief, self.traits.caution.worth
         position = self._estimate(look, course)
@@ -179,7 +184,18 @@ class Operator:
             elif other.gain >= worth:
                 self._switch.begin(now, prepared=False)
             else:
-                self._hand.rest()
+                self._wonder(look, now)
+                return
+        self._lost_since = math.inf
+
+    def _wonder(self, look: Look, now: float) -> None:
+        """Nothing seems worth doing: where the arm helps, one soon dares more, and tries the other joint."""
+        self._hand.rest()
+        self._lost_since = min(self._lost_since, now)
+        if look.assisted and now - self._lost_since > PATIENCE:
+            self._lost_since = math.inf
+            self._kept /= 2
+            self._switch.begin(now, prepared=False)
 
     def _alone(self, position: Point, joint: int, course: Course) -> _Plan:
         """What a joint could do if the other one did not come along, against what is expected of it."""

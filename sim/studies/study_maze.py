@@ -141,7 +141,7 @@ SETTINGS = (
     Setting("solo, then assisted", "20 and 20 circuits (appendix B)", "the same, --circuits for others"),
     Setting("speed", "0.2 rad/s; none for the automation", "the same; 0.8 rad/s for the joints"),
     Setting("k of (5.1)", "0.1", "the same, also for dpcc_confident"),
-    Setting("timescales", "10, 15, 20 steps", "the same; dpcc_confident at 20"),
+    Setting("timescales", "10, 15, 20 steps", "the same; dpcc_confident at 15"),
     Setting("manual after a toggle", "0.5 s", "the same"),
     Setting("learning", "on throughout", "the same; all assists of an operator begin with the same learners"),
     Setting("walls", "the rod bends and slides", "they do not hold the rod, which may go through them"),
