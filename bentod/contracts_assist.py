@@ -107,6 +107,8 @@ class Assist(Protocol):
     `bentod.assists` is the group of entry points for assists from outside: a factory `OpenAssist`. Whatever
     an assist asks for, it is only given joints of its group that the operator is not moving, only while the
     operator moves (or pushes all of them together), and only finite velocities within the limits.
+
+    Whoever inherits from it need only say what to wish for, how to adjust, and what a toggle changes.
     """
 
     def wish(self, situation: Situation) -> Assistance:
@@ -123,7 +125,7 @@ class Assist(Protocol):
 
     def rewarded(self, reward: float) -> None:
         """Somebody was pleased (above 0) or not (below 0) with what the arm did."""
-        ...
+        return None
 
     def order(self, situation: Situation) -> tuple[int, ...] | None:
         """In which order joints are to be selected by the toggles to come; None: as the config lists them.
@@ -131,19 +133,19 @@ class Assist(Protocol):
         The joint before those to come is the last, for the order is a ring. `TOGETHER` in it says where all
         at once have their place, if they may be selected; left out, they come after the last.
         """
-        ...
+        return None
 
     def needs_all(self) -> bool:
         """Whether it looks at all timescales, and not only at that of its settings."""
-        ...
+        return False
 
     def offers_together(self) -> bool:
         """Whether all joints at once may be selected now, as one more entry of the toggle list."""
-        ...
+        return False
 
     def told(self) -> Mapping[str, Value]:
         """What the assist has found out, for whoever asks how it goes."""
-        ...
+        return {}
 
 
 @runtime_checkable

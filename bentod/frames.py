@@ -56,6 +56,11 @@ class JointSpec:
     hardware: Mapping[str, Value]  # the driver's own keys, checked by the driver
     bounds: Bounds = Bounds()
 
+    @property
+    def spoken(self) -> str:
+        """The name as in a sentence."""
+        return self.name.replace("_", " ")
+
     def clamp(self, position: float) -> float:
         """`position` (rad) brought into the joint's limits."""
         return min(max(position, self.minimum), self.maximum)

@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 
-from bentod.contracts_assist import TOGETHER, Assistance, AssistSettings, Situation
+from bentod.contracts_assist import TOGETHER, Assist, Assistance, AssistSettings, Situation
 from bentod.errors import BadRequest, nearest
 from bentod.frames import JointSpec, Value
 
@@ -38,7 +38,7 @@ class SwitchingOptions:
             )
 
 
-class AdaptiveSwitching:
+class AdaptiveSwitching(Assist):
     """Moves nothing by itself: it only says in which order toggles go."""
 
     def __init__(self, specs: Sequence[JointSpec], settings: AssistSettings) -> None:
@@ -69,20 +69,9 @@ class AdaptiveSwitching:
         """The order stands from here until something moves."""
         self._toggling = True
 
-    def rewarded(self, reward: float) -> None:
-        """Use is what is learned, not reward."""
-
     def order(self, situation: Situation) -> tuple[int, ...] | None:
         """Most needed first, that from which toggling began last; None: nothing is known yet."""
         return self._order
-
-    def needs_all(self) -> bool:
-        """It looks at no joint's position."""
-        return False
-
-    def offers_together(self) -> bool:
-        """Never."""
-        return False
 
     def told(self) -> Mapping[str, Value]:
         """The need of each joint, as of when the order was made: share of the time to come, 0..1."""

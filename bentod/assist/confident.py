@@ -17,7 +17,7 @@ from bentod.assist.confident_options import confident_options
 from bentod.assist.dpcc import dpcc_velocity
 from bentod.assist.fade import Evidence, Fade, Gate
 from bentod.assist.trust import Trust
-from bentod.contracts_assist import Assistance, AssistSettings, Situation
+from bentod.contracts_assist import Assist, Assistance, AssistSettings, Situation
 from bentod.frames import Freshness, JointSpec, Value, Velocity
 
 DEAD_BAND = 0.012
@@ -37,7 +37,7 @@ class _Helped:
         self.position = math.nan
 
 
-class ConfidentDpcc:
+class ConfidentDpcc(Assist):
     """See the module. One of it helps with one group; what it knows is by joint."""
 
     def __init__(self, specs: Sequence[JointSpec], rate_hz: float, settings: AssistSettings) -> None:
@@ -88,18 +88,6 @@ class ConfidentDpcc:
             trust = self._joints[joint].trust
             (trust.gain if reward > 0 else trust.lose)(share)
 
-    def order(self, situation: Situation) -> tuple[int, ...] | None:
-        """As the config lists them."""
-        return None
-
-    def needs_all(self) -> bool:
-        """It follows one timescale."""
-        return False
-
-    def offers_together(self) -> bool:
-        """Never."""
-        return False
-
     def told(self) -> Mapping[str, Value]:
         """Trust, strength and corrections by joint."""
         by_name = {spec.name: helped for spec, helped in zip(self._specs, self._joints, strict=True)}
@@ -130,7 +118,7 @@ class ConfidentDpcc:
 
     def _follow(self, joint: int, attended: int, situation: Situation) -> tuple[float, str]:
         """The velocity of one joint (rad/s), and why it is that."""
-        helped, name = self._joints[joint], _plain(self._specs[joint].name)
+        helped, name = self._joints[joint], self._specs[joint].spoken
         reason = self._shut(joint, attended, situation)
         if reason:
             helped.fade.shut()
@@ -183,10 +171,6 @@ class ConfidentDpcc:
         account = self._options.slope * max(going, 0.0) if math.isfinite(going) else 0.0
         bound = min(spec.max_velocity, self._settings.velocity_limit, account)
         return min(max(velocity, -bound), bound)
-
-
-def _plain(name: str) -> str:
-    return name.replace("_", " ")
 
 
 def open_assist(specs: Sequence[JointSpec], rate_hz: float, settings: AssistSettings) -> ConfidentDpcc:

@@ -11,7 +11,7 @@ signals that a user acts on).
 import math
 from collections.abc import Mapping, Sequence
 
-from bentod.contracts_assist import Assistance, AssistSettings, Situation
+from bentod.contracts_assist import Assist, Assistance, AssistSettings, Situation
 from bentod.errors import BadRequest
 from bentod.frames import JointSpec, Value, Velocity
 
@@ -27,7 +27,7 @@ def effort_of(group: str, joint: str, timescale: float) -> str:
     return f"{group}.effort_of.{joint}@{timescale:g}"
 
 
-class EffortAssist:
+class EffortAssist(Assist):
     """Moves unattended joints at the velocity that the operator is expected to ask of each, while they move.
 
     As in DPCC a joint sets off at twice the dead band and is let go at the dead band, none goes faster than
@@ -85,25 +85,6 @@ class EffortAssist:
     def toggled(self, now: float) -> None:
         """As in `Assist`."""
         self._manual_from = now
-
-    def rewarded(self, reward: float) -> None:
-        """It does not care."""
-
-    def order(self, situation: Situation) -> tuple[int, ...] | None:
-        """As the config lists them."""
-        return None
-
-    def needs_all(self) -> bool:
-        """It follows one timescale."""
-        return False
-
-    def offers_together(self) -> bool:
-        """Never."""
-        return False
-
-    def told(self) -> Mapping[str, Value]:
-        """Nothing besides its settings."""
-        return {}
 
     def _obstacle(self, situation: Situation) -> str:
         """Why nothing may move; empty when something may."""

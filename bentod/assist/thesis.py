@@ -1,15 +1,15 @@
 """Direct predictive collaborative control exactly as in thesis 5.3, behind the contract of assists."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from bentod.assist.dpcc import Dpcc, DpccSettings
-from bentod.contracts_assist import Assistance, AssistSettings, Situation
+from bentod.contracts_assist import Assist, Assistance, AssistSettings, Situation
 from bentod.errors import BadRequest
-from bentod.frames import JointSpec, Value
+from bentod.frames import JointSpec
 
 
-class ThesisDpcc:
+class ThesisDpcc(Assist):
     """Every unattended joint goes to where it is expected, whatever the confidence."""
 
     def __init__(self, specs: Sequence[JointSpec], rate_hz: float, settings: AssistSettings) -> None:
@@ -32,25 +32,6 @@ class ThesisDpcc:
     def toggled(self, now: float) -> None:
         """As in `Assist`."""
         self._dpcc.toggled(now)
-
-    def rewarded(self, reward: float) -> None:
-        """The thesis' arm does not care."""
-
-    def order(self, situation: Situation) -> tuple[int, ...] | None:
-        """As the config lists them."""
-        return None
-
-    def needs_all(self) -> bool:
-        """It follows one timescale."""
-        return False
-
-    def offers_together(self) -> bool:
-        """Never."""
-        return False
-
-    def told(self) -> Mapping[str, Value]:
-        """Nothing besides its settings."""
-        return {}
 
     def _own(self, settings: AssistSettings) -> DpccSettings:
         if settings.options:

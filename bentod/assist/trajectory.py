@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 
 from bentod.assist.path import Path, Posture
 from bentod.assist.sureness import Sureness, options_of
-from bentod.contracts_assist import Assistance, AssistSettings, Situation
+from bentod.contracts_assist import Assist, Assistance, AssistSettings, Situation
 from bentod.frames import Freshness, JointSpec, Value, Velocity
 
 DEAD_BAND = 0.012
@@ -24,7 +24,7 @@ ARRIVED = 0.01
 """rad within which a joint is where it is expected."""
 
 
-class Trajectory:
+class Trajectory(Assist):
     """Offers all joints at once where it knows the way, and moves them while they are selected and pushed.
 
     Pulling needs no prediction, but stops like pushing where one is not finite. That the way is unknown is
@@ -64,17 +64,6 @@ class Trajectory:
         """As in `Assist`."""
         self._manual_from = now
 
-    def rewarded(self, reward: float) -> None:
-        """It is the user who says how far to go, so there is nothing to learn from."""
-
-    def order(self, situation: Situation) -> tuple[int, ...] | None:
-        """As the config lists them."""
-        return None
-
-    def needs_all(self) -> bool:
-        """It follows one timescale."""
-        return False
-
     def offers_together(self) -> bool:
         """While it knows the way."""
         return self._sure.offers
@@ -87,7 +76,7 @@ class Trajectory:
         if situation.time < self._manual_from + self._settings.manual:
             return f"Waits {self._settings.manual:g} s after a toggle."
         if situation.attended is not None:
-            name = _plain(self._specs[situation.attended].name)
+            name = self._specs[situation.attended].spoken
             return f"Waits: {name} is moved by itself."
         if not (situation.effort and math.isfinite(situation.effort)):
             return "All joints together: push to go on, pull to go back."
@@ -99,7 +88,7 @@ class Trajectory:
         if all(abs(to - at) < ARRIVED for to, at in zip(goal, here, strict=True)):
             return Assistance({}, True, "All joints are where they are expected: nothing lies ahead.")
         wishes = self._wishes(situation, here, goal, settle=True)
-        names = ", ".join(_plain(self._specs[joint].name) for joint in wishes)
+        names = ", ".join(self._specs[joint].spoken for joint in wishes)
         return Assistance(
             wishes, True, f"Pushed along the learned path: {names}; confidence {self._sure.confidence:.2f}."
         )
@@ -109,7 +98,7 @@ class Trajectory:
         if goal is None:
             return Assistance({}, True, "Pulled back as far as the way is remembered.")
         wishes = self._wishes(situation, here, goal, settle=len(self._path) == 1)
-        names = ", ".join(_plain(self._specs[joint].name) for joint in wishes)
+        names = ", ".join(self._specs[joint].spoken for joint in wishes)
         return Assistance(wishes, True, f"Pulled back along the way it came: {names}.")
 
     def _wishes(
@@ -137,10 +126,6 @@ def _posture(situation: Situation) -> Posture | None:
     seen = [situation.state.joints[joint] for joint in situation.joints]
     fresh = all(joint.freshness is Freshness.FRESH and math.isfinite(joint.position) for joint in seen)
     return tuple(joint.position for joint in seen) if fresh else None
-
-
-def _plain(name: str) -> str:
-    return name.replace("_", " ")
 
 
 def open_assist(specs: Sequence[JointSpec], rate_hz: float, settings: AssistSettings) -> Trajectory:
