@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from bentod.assist.help import Help
 from bentod.frames import Value
+from bentod.learn.horde import Horde
 from bentod.learn.paths import below, put_below
 from bentod.learn.predictor import Predictor
 
@@ -18,16 +19,22 @@ class Known:
         self._predictor = predictor
         self._helps = tuple(helps)
 
+    @property
+    def horde(self) -> Horde:
+        """The questions that are asked now; another one when one comes or goes."""
+        return self._predictor.horde
+
     def spec(self) -> Mapping[str, Value]:
         """That of the questions; what it does not name has none."""
         return self._predictor.spec()
 
     def memory(self) -> dict[str, NDArray[np.float64]]:
         """Copies of all that has been learned and is remembered."""
-        return self._predictor.memory() | {k: array for part in self.beside() for k, array in part.items()}
+        return {name: array for part in self.parts() for name, array in part.items()}
 
-    def beside(self) -> Iterator[dict[str, NDArray[np.float64]]]:
-        """The same without what the predictor knows: in parts, each copied when it is asked for."""
+    def parts(self) -> Iterator[dict[str, NDArray[np.float64]]]:
+        """The same in parts, each copied when it is asked for: units, representations, choices."""
+        yield from self.horde.memories()
         for help_ in self._helps:
             yield put_below(f"assists/{help_.group}", help_.choice.memory())
 

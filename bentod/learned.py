@@ -4,7 +4,6 @@ import logging
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +14,7 @@ from bentod.config_learn import SnapshotTable
 from bentod.contracts import Clock
 from bentod.frames import Value
 from bentod.known import Known
-from bentod.learn.horde import Horde
 from bentod.learn.keeper import Keeper, resume
-from bentod.learn.predictor import Predictor
 from bentod.learn.snapshot import taken
 from bentod.mind import Mind
 from bentod.record.disk import default_folder
@@ -31,9 +28,10 @@ MOST_CARRIED = 32 << 20
 class Learned:
     """Keeps what a mind has learned. `chore` is for the time that is left after a tick."""
 
-    def __init__(self, mind: Mind, predictor: Predictor, keeper: Keeper, arm: str, clock: Clock) -> None:
+    def __init__(self, mind: Mind, known: Known, keeper: Keeper, arm: str, clock: Clock) -> None:
+        """`known`: what `mind` has learned."""
         self._mind = mind
-        self._predictor = predictor
+        self._known = known
         self._keeper = keeper
         self._arm = arm
         self._clock = clock
@@ -56,10 +54,9 @@ class Learned:
 
     def close(self) -> None:
         """Keep what is known now, unless learning broke."""
-        tick = self._predictor.horde.answers.tick
-        keeps = None if self._mind.broken else self._mind.known
+        tick = self._known.horde.answers.tick
         try:
-            known = taken(keeps, self._arm, self._clock.wall(), tick) if keeps else None
+            known = None if self._mind.broken else taken(self._known, self._arm, self._clock.wall(), tick)
         except Exception:  # noqa: BLE001 -- what was kept before is better than nothing
             known = None
             self._log_once()
@@ -77,22 +74,20 @@ class Learned:
 
     def _copy(self) -> None:
         """One part more, and when there is none any more have all of them written."""
-        if self._copying is None or self._copying.horde is not self._predictor.horde:
-            self._copying = _Copy(self._predictor.horde, self._mind.known)
+        if self._copying is None or self._copying.horde is not self._known.horde:
+            self._copying = _Copy(self._known)
         if not self._copying.go_on():
             copied, self._copying = self._copying, None
             self._keeper.put(taken(copied, self._arm, self._clock.wall(), copied.horde.answers.tick))
 
 
 class _Copy:
-    """The memory of a horde, copied part by part."""
+    """What is known about the questions of one horde, copied part by part."""
 
-    def __init__(self, horde: Horde, known: Known | None) -> None:
-        self.horde = horde
-        self._spec = known.spec() if known else horde.spec()
-        self._parts: Iterator[Mapping[str, NDArray[np.float64]]] = chain(
-            horde.memories(), known.beside() if known else ()
-        )
+    def __init__(self, known: Known) -> None:
+        self.horde = known.horde
+        self._spec = known.spec()
+        self._parts = known.parts()
         self._arrays: dict[str, NDArray[np.float64]] = {}
 
     def go_on(self) -> bool:
@@ -124,18 +119,19 @@ def learned(
     it goes on with, as a recording can carry it (empty if there is none, or it is too large), and what to do
     after each tick (given monotonic s).
     """
-    predictor, table = mind.predictor, config.learn.snapshot if config.learn else None
-    if predictor:
-        _log.info("%d GVFs learn with the kernel %s", len(predictor.horde.questions), predictor.kernel)
+    known, table = mind.known, config.learn.snapshot if config.learn else None
+    if mind.predictor:
+        asked, kernel = len(mind.predictor.horde.questions), mind.predictor.kernel
+        _log.info("%d GVFs learn with the kernel %s", asked, kernel)
     path = snapshot_path(table, name, os.environ) if table else None
-    if predictor is None or table is None or path is None:
+    if known is None or table is None or path is None:
         yield b"", lambda _: None
         return
-    goes_on = resume(path, mind.known or predictor)
+    goes_on = resume(path, known)
     _log.info("Learning goes on from %s" if goes_on else "Nothing is known yet; learning is kept in %s", path)
     carried = _carried(path) if goes_on else b""
     with Keeper(path, table.every_s) as keeper:
-        kept = Learned(mind, predictor, keeper, config.arm, clock)
+        kept = Learned(mind, known, keeper, config.arm, clock)
         try:
             yield carried, kept.chore
         finally:

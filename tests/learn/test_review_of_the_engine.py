@@ -210,10 +210,12 @@ def test_a_learner_that_cannot_be_copied_ends_neither_the_tick_nor_what_was_kept
 ) -> None:
     predictor = new_predictor()
     live(predictor, 0, 10)
-    mind = cast("Mind", SimpleNamespace(broken="", known=Known(predictor, ())))
+    mind = cast("Mind", SimpleNamespace(broken=""))
     path = tmp_path / "kept"
     with Keeper(path, 5.0) as keeper:
-        kept = Learned(mind, predictor, keeper, "arm", cast("Clock", SimpleNamespace(wall=lambda: 0.0)))
+        kept = Learned(
+            mind, Known(predictor, ()), keeper, "arm", cast("Clock", SimpleNamespace(wall=lambda: 0.0))
+        )
         monkeypatch.setattr(Horde, "memories", _breaks)
         for now in (0.0, 10.0, 10.1, 10.2, 20.0, 20.1):
             kept.chore(now)
