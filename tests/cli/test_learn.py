@@ -18,6 +18,7 @@ from bentod.learn.snapshot import read, taken, write
 from bentod.record.reader import Recording
 from bentod.replay.sweep import Outcome, Point
 from sim.clock import VirtualLoop
+from tests.cli.results import refused
 from tests.rig import PLAIN, running, sim_config
 
 
@@ -40,15 +41,6 @@ class Counting:
 
 def run(*arguments: object) -> Result:
     return CliRunner().invoke(command.learn, [str(argument) for argument in arguments])
-
-
-def refused(result: Result) -> str:
-    """The one sentence that a command ends with."""
-    assert result.exit_code == 1, result.output
-    assert isinstance(result.exception, SystemExit)
-    (line,) = result.stderr.splitlines()
-    assert line.startswith("bentod: ")
-    return line
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,7 @@ from click.testing import CliRunner, Result
 from bentod.cli.recording import recording
 from bentod.record.reader import Recording
 from tests.analysis.helpers import excerpt, frames, header, record, recorded, session, ticks
+from tests.cli.results import refused
 
 Run = Callable[..., Result]
 
@@ -29,15 +30,6 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def short(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return record(tmp_path_factory.mktemp("short"), excerpt())
-
-
-def refused(result: Result) -> str:
-    """The one sentence that a command ends with."""
-    assert result.exit_code == 1, result.output
-    assert isinstance(result.exception, SystemExit)
-    (line,) = result.stderr.splitlines()
-    assert line.startswith("bentod: ")
-    return line
 
 
 def cut(folder: Path, whole: Path) -> Path:

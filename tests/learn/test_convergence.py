@@ -1,7 +1,5 @@
 """Known values are found: of a random walk, and of a movement over and over again."""
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -17,20 +15,11 @@ from bentod.learn.returns import ideal_predictions
 from bentod.learn.signals import Percept
 from tests.fakes import PERIOD, at
 from tests.learn.predictors import NO_EMG
+from tests.learn.random_walk import STATES, walk
 
 RATE_HZ = 30
 SPEED = 0.2  # rad/s
-STATES = 19
 END = np.array([], dtype=np.intp)
-
-
-def walk(rng: np.random.Generator) -> Iterator[int]:
-    """A random walk from the middle state, up to and including the terminal −1 or 19."""
-    state = STATES // 2
-    while 0 <= state < STATES:
-        yield state
-        state += 1 if rng.random() < 0.5 else -1
-    yield state
 
 
 def learn_walk(group: Group, path: list[int]) -> None:

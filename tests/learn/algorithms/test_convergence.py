@@ -1,5 +1,4 @@
 import math
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -7,6 +6,7 @@ import pytest
 from bentod.contracts import Arrival, Learner
 from bentod.learn.returns import ideal_predictions
 from tests.learn.algorithms.journeys import learner, settings
+from tests.learn.random_walk import STATES, walk
 
 ALL = (
     "td",
@@ -19,16 +19,6 @@ ALL = (
     "autostep",
     "swifttd",
 )
-STATES = 19
-
-
-def walk(rng: np.random.Generator) -> Iterator[int]:
-    """States of a random walk from the middle, up to and including the terminal −1 or 19."""
-    state = STATES // 2
-    while 0 <= state < STATES:
-        yield state
-        state += 1 if rng.random() < 0.5 else -1
-    yield state
 
 
 def learn_walk(taught: Learner, path: list[int]) -> None:
