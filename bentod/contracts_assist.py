@@ -5,6 +5,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol, TypeAlias, runtime_checkable
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bentod.errors import BadRequest
 from bentod.frames import JointSpec, State, Value, Wishes
 
@@ -146,6 +149,14 @@ class Assist(Protocol):
     def told(self) -> Mapping[str, Value]:
         """What the assist has found out, for whoever asks how it goes."""
         return {}
+
+    def memory(self) -> dict[str, NDArray[np.float64]]:
+        """Copies of what is to be known again in the next session, by names of its own."""
+        return {}
+
+    def recall(self, memory: Mapping[str, NDArray[np.float64]]) -> None:
+        """Go on with it. Raises ValueError: it does not fit, and nothing has changed."""
+        return None
 
 
 @runtime_checkable

@@ -13,7 +13,7 @@ from bentod.learn.predictor import Predictor
 
 
 class Known:
-    """What predictors know, and what was found out about how far to look ahead (`Keepable`)."""
+    """What predictors know, and what helps has found out about how and how far to help (`Keepable`)."""
 
     def __init__(self, predictor: Predictor, helps: Sequence[Help]) -> None:
         self._predictor = predictor
@@ -36,7 +36,7 @@ class Known:
         """The same in parts, each copied when it is asked for: units, representations, choices."""
         yield from self.horde.memories()
         for help_ in self._helps:
-            yield put_below(f"assists/{help_.group}", help_.choice.memory())
+            yield put_below(f"assists/{help_.group}", help_.memory())
 
     def recall(self, spec: Mapping[str, Value], memory: Mapping[str, NDArray[np.float64]]) -> list[str]:
         """Go on with what was learned before; returns the questions that it says nothing of.
@@ -46,5 +46,5 @@ class Known:
         """
         new = self._predictor.recall(spec, memory)
         for help_ in self._helps:
-            help_.choice.recall(below(memory, f"assists/{help_.group}"))
+            help_.recall(below(memory, f"assists/{help_.group}"))
         return new

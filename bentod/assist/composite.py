@@ -4,6 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bentod.contracts_assist import Asking, Assist, Assistance, AssistSettings, OpenAssist, Situation
 from bentod.errors import BadRequest, ConfigError
 from bentod.frames import JointSpec, Value, Wishes
@@ -84,6 +87,17 @@ class Composite:
     def told(self) -> Mapping[str, Value]:
         """What each part has found out, by mode."""
         return {mode: dict(part.told()) for mode, part in self._parts.items()}
+
+    def memory(self) -> dict[str, NDArray[np.float64]]:
+        """That of each part, by mode."""
+        known = {mode: part.memory() for mode, part in self._parts.items()}
+        return {f"{mode}/{name}": array for mode, part in known.items() for name, array in part.items()}
+
+    def recall(self, memory: Mapping[str, NDArray[np.float64]]) -> None:
+        """As in `Assist`; a part that does not take its own leaves those before it with theirs."""
+        for mode, part in self._parts.items():
+            own = {n.removeprefix(f"{mode}/"): a for n, a in memory.items() if n.startswith(f"{mode}/")}
+            part.recall(own)
 
     def asks(self, group: str, joints: Sequence[str]) -> tuple[Mapping[str, Value], ...]:
         """As in `Asking`: what any part asks."""

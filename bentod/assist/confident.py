@@ -7,15 +7,21 @@ Each unattended joint goes to where it is expected as in thesis (5.1), with what
 * a bound from the wearer's own motion: a joint goes at most `slope` as fast as the attended one goes the way
   that it is pushed, so that help slows, stops and waits with the wearer, instead of running past a barrier
   that its timescale does not see (5.5) or drifting while they hesitate;
+* known ground: no help to where the group has never been without help, so that a prediction that cuts a
+  corner does not end at a wall that nobody told the arm of;
 * no help while the attended joint goes another way than expected, for then so will the others.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bentod.assist.confident_options import confident_options
 from bentod.assist.dpcc import dpcc_velocity
 from bentod.assist.fade import Evidence, Fade, Gate
+from bentod.assist.ground import Ground
 from bentod.assist.trust import Trust
 from bentod.contracts_assist import Assist, Assistance, AssistSettings, Situation
 from bentod.frames import Freshness, JointSpec, Value, Velocity
@@ -48,6 +54,7 @@ class ConfidentDpcc(Assist):
         self._options = confident_options(settings.options)
         self._settings = settings
         self._joints = [_Helped() for _ in specs]
+        self._ground = Ground(specs)
         self._manual_from = -math.inf
         self._lately: tuple[int, ...] = ()
 
@@ -97,8 +104,18 @@ class ConfidentDpcc(Assist):
             "corrections": {name: helped.trust.corrections for name, helped in by_name.items()},
         }
 
+    def memory(self) -> dict[str, NDArray[np.float64]]:
+        """The ground that is known."""
+        return self._ground.memory()
+
+    def recall(self, memory: Mapping[str, NDArray[np.float64]]) -> None:
+        """As in `Assist`."""
+        self._ground.recall(memory)
+
     def _notice(self, situation: Situation) -> None:
         """What became of the joints since the last tick: helped on undisturbed, or corrected."""
+        if not any(helped.fade.velocity for helped in self._joints):
+            self._ground.note(situation)
         for joint in situation.joints:
             helped, position = self._joints[joint], situation.state.joints[joint].position
             way, helped.position = position - helped.position, position
@@ -170,7 +187,8 @@ class ConfidentDpcc(Assist):
         going = state[attended].velocity * (math.copysign(1, situation.effort) if situation.effort else 0)
         account = self._options.slope * max(going, 0.0) if math.isfinite(going) else 0.0
         bound = min(spec.max_velocity, self._settings.velocity_limit, account)
-        return min(max(velocity, -bound), bound)
+        bounded, ahead = min(max(velocity, -bound), bound), self._options.ground
+        return self._ground.within(situation, joint, bounded, ahead) if ahead else bounded
 
 
 def open_assist(specs: Sequence[JointSpec], rate_hz: float, settings: AssistSettings) -> ConfidentDpcc:

@@ -21,6 +21,7 @@ class ConfidentOptions:
     | `acceleration` | above 0 up to 100 rad/s² | how fast the speed of help may grow |
     | `slope` | above 0 up to 100 | rad that a joint may go for each rad that the attended one goes |
     | `astray` | 0..10 rad | how far the attended joint may be expected the other way; 10: no matter |
+    | `ground` | 0..2 s | ahead for which a joint must stay where it has been without help; 0: no matter |
     | `doubt` | 0..1 | share of the trust that a correction costs |
     | `hold_back` | 0..60 s | without help for a joint that was corrected |
     | `recovery` | above 0 up to 600 s | of undisturbed help, in which lost trust comes back |
@@ -36,6 +37,7 @@ class ConfidentOptions:
     acceleration: float = 2.0
     slope: float = 3.0
     astray: float = 0.02
+    ground: float = 0.3
     doubt: float = 0.15
     hold_back: float = 2.0
     recovery: float = 2.0
@@ -60,6 +62,7 @@ _BOUNDS = {
     "acceleration": (0.0, 100.0, " rad/s²"),
     "slope": (0.0, 100.0, ""),
     "astray": (0.0, 10.0, " rad"),
+    "ground": (0.0, 2.0, " s"),
     "doubt": (0.0, 1.0, ""),
     "hold_back": (0.0, 60.0, " s"),
     "recovery": (0.0, 600.0, " s"),

@@ -4,6 +4,10 @@ import logging
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from bentod.assist.timescales.choice import Choice
 from bentod.contracts_assist import Asking, Assist, Assistance, AssistSettings, OpenAssist, Situation
@@ -13,6 +17,8 @@ from bentod.frames import AssistFrame, JointSpec, Value, Velocity, Wishes
 _log = logging.getLogger(__name__)
 
 OFF = "off"
+
+Memory: TypeAlias = dict[str, NDArray[np.float64]]
 
 _COMMON = {
     "timescale": "timescale",
@@ -50,6 +56,7 @@ class Help:
         self._rate_hz = rate_hz
         self._open = open_assist
         self._opened: dict[str, Assist] = {}
+        self._remembered: dict[str, Memory] = {}
         self._assist: Assist | None = None
         self._broken: dict[str, str] = {}
 
@@ -116,6 +123,23 @@ class Help:
         if self.assist:
             self.assist.rewarded(reward)
 
+    def memory(self) -> dict[str, NDArray[np.float64]]:
+        """Copies of what all modes know, and of what was found out about timescales."""
+        modes = {f"mode {mode}": assist.memory() for mode, assist in self._opened.items()}
+        known = {f"{mode}/{name}": array for mode, part in modes.items() for name, array in part.items()}
+        return {**known, **self.choice.memory()}
+
+    def recall(self, memory: Mapping[str, NDArray[np.float64]]) -> None:
+        """Go on with it; a mode that is chosen later will, too. What does not fit is logged and left out."""
+        self.choice.recall(memory)
+        self._remembered = {}
+        for name, array in memory.items():
+            mode, _, rest = name.partition("/")
+            if mode.startswith("mode "):
+                self._remembered.setdefault(mode.removeprefix("mode "), {})[rest] = array
+        for mode in self._opened:
+            self._remind(mode)
+
     def change(self, changes: Mapping[str, Value]) -> None:
         """Change some of what `describe` shows. Raises BadRequest: a value is none; nothing has changed."""
         mode = str(changes.get("mode", self.mode))
@@ -157,7 +181,14 @@ class Help:
                 self._opened[mode] = self._open(mode)(self._specs, self._rate_hz, settings)
             except ConfigError as error:
                 raise BadRequest(f"mode: {error}", "mode") from error
+            self._remind(mode)
         return self._opened[mode]
+
+    def _remind(self, mode: str) -> None:
+        try:
+            self._opened[mode].recall(self._remembered.get(mode, {}))
+        except ValueError as error:
+            _log.warning("What %s knew of %s is left out: %s.", mode, self.group, error)
 
     def _bounded(self, helped: Assistance, situation: Situation) -> Assistance:
         """Only joints that the operator does not move, only while they move, only finite velocities."""

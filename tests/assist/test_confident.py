@@ -17,8 +17,8 @@ from tests.fakes import PERIOD, at
 
 SHOULDER, ELBOW = 0, 1
 SPECS = tuple(JointSpec(name, -1.5, 1.5, 2.0, 0.0, {}) for name in ("shoulder_rotation", "elbow_flexion"))
-STRICT = {"confidence": 0.75, "slope": 2.0, "doubt": 0.4, "recovery": 5.0, "introduction": 0.0}
-"""For somebody who knows the arm, and trusts it less than the defaults do."""
+STRICT = {"confidence": 0.75, "slope": 2.0, "doubt": 0.4, "recovery": 5.0, "introduction": 0.0, "ground": 0.0}
+"""For somebody who knows the arm, and trusts it less than the defaults do; wherever it has been."""
 SETTINGS = AssistSettings(k=0.1, options={**STRICT, "fade": 0.5})
 OPTIONS = ConfidentOptions(**STRICT)
 SURE = Evidence(confidence=0.9, surprise=0.1, familiarity=0.9)
