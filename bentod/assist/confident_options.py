@@ -37,7 +37,7 @@ class ConfidentOptions:
     acceleration: float = 2.0
     slope: float = 3.0
     astray: float = 0.02
-    ground: float = 0.3
+    ground: float = 0.45
     doubt: float = 0.15
     hold_back: float = 2.0
     recovery: float = 2.0

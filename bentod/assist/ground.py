@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from bentod.contracts_assist import Situation
 from bentod.frames import JointSpec
 
-CELL = 0.015
-"""rad of each of two joints that are one cell; a little less than the thesis' tolerance of 1°."""
+CELL = 0.01
+"""rad of each of two joints that are one cell: with those around it, the thesis' tolerance of 1° to either side."""
 
 NEAR = tuple((x, y) for x in (-1, 0, 1) for y in (-1, 0, 1))
 """The cells that one visit makes known: its own, and those around it."""
 
 MOST = 200_000
-"""Cells that are remembered of two joints: more than two whole turns have."""
+"""Cells that are remembered of two joints: more than all of a Bento Arm's elbow and shoulder have."""
 
 SHARES = (1.0, 0.6, 0.3)
 """Of a wished velocity that are tried, until one of them stays on known ground."""

@@ -34,7 +34,7 @@ class Help:
 MAZE_HELP = Help()
 """Appendix B, the author's first session."""
 
-OURS = Help(timescale=15.0, mode="dpcc_confident")
+OURS = Help(timescale=25.0, mode="dpcc_confident")
 """Help that is gated by its confidence, with the defaults of its options."""
 
 WAYPOINTS_HELP = Help(timescale=20.0, k=0.025)
