@@ -11,7 +11,7 @@ from bentod.contracts_assist import Situation
 from bentod.frames import JointSpec
 
 CELL = 0.01
-"""rad of each of two joints that are one cell: with those around it, the thesis' tolerance of 1° to either side."""
+"""rad of each of two joints that are one cell: with those around it, the thesis' 1° to either side."""
 
 NEAR = tuple((x, y) for x in (-1, 0, 1) for y in (-1, 0, 1))
 """The cells that one visit makes known: its own, and those around it."""
