@@ -14,8 +14,8 @@ INSTALL := $(PIP) install --constraint constraints.txt --build-constraint constr
 run: $(VENV)/run.stamp ## start the daemon with a simulated arm (CONFIG=FILE for another)
 	@exec $(BIN)/bentod run --config $(CONFIG)
 
-test: $(VENV)/test.stamp ## run the tests (ARGS="-k word" goes to pytest)
-	@$(BIN)/python -m pytest $(ARGS)
+test: $(VENV)/test.stamp ## run the tests on all processors (ARGS="-k word" goes to pytest, ARGS="-n 0" uses one)
+	@$(BIN)/python -m pytest --numprocesses auto --dist loadfile $(ARGS)
 
 check: $(VENV)/check.stamp ## lint, format, types, layers
 	@echo "ruff: lint and format" && $(BIN)/ruff check --quiet && $(BIN)/ruff format --check --quiet

@@ -1,7 +1,8 @@
 """What the arm is between two ticks, and what the tick tells it: readings, torque, faults, operators."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 from bentod.control.arbiter import OPERATORS
 from bentod.control.clients import Clients
@@ -16,6 +17,8 @@ from bentod.control.modes import Modes
 from bentod.control.operators import Asked, Operators
 from bentod.control.recency import Recency
 from bentod.control.trials import Trials
+from bentod.emg.live.recogniser import Recogniser
+from bentod.errors import Refused
 from bentod.frames import EmgFrame, GroupFrame, JointSpec, Mode, State, Value, Velocity, Wishes
 from bentod.learn.horde import HasTime
 from bentod.learn.signals import Percept
@@ -62,6 +65,7 @@ class ArmState:
         self.meta: Value = None
         self.clients = Clients()
         self.journal = Journal(self.specs)
+        muscles.tell = partial(self.journal.note, "emg")
         self.trials = Trials(self.journal)
         self.goals = Goals(modes, self.journal.goal)
         self.state: State | None = None
@@ -97,6 +101,14 @@ class ArmState:
         self.modes.ask_torque(limp, False)
         self.clients.expire(now)
         self.goals.advance(state.joints, now)
+        self.muscles.interventions = self.interventions
+
+    @property
+    def recognition(self) -> Recogniser:
+        """What tells classes of contractions apart. Raises Refused: the config asks for none."""
+        if self.muscles.recognition is None:
+            raise Refused("the config has no [emg.recognition] table")
+        return self.muscles.recognition
 
     def torque_confirmed(self, torque: Sequence[bool]) -> None:
         """Take over the torque that the hardware reports."""
@@ -148,16 +160,32 @@ class ArmState:
         Who pushes all joints of a group at once asks it of the group's assist, not of a joint.
         """
         self._withdraw()
-        taken = [group.name for group in self.groups if self._client(group)]
+        taken = [group.name for group in self.groups if self._taken(group)]
         wishes: dict[str, Wishes] = {}
-        for name, granted in self._operators.decide(asked, taken, self.now).items():
-            for group in granted.toggles:
-                self._toggle(self.groups.group(group), 1, "the wearer")
+        one_by_one = {name: self._without_synergies_together(one) for name, one in asked.items()}
+        for name, granted in self._operators.decide(one_by_one, taken, self.now).items():
+            toggles = [(group, 1) for group in granted.toggles]
+            toggles += [(group, -1) for group in granted.toggles_back]
+            for group, steps in toggles:
+                self._toggle(self.groups.group(group), steps, "the wearer")
             efforts = {group: it for group, it in granted.efforts.items() if self._operators.driver(group)}
-            wishes[name] = self.groups.wishes(efforts)
-            if granted.toggles or any(efforts.values()):
+            wishes[name] = self.groups.wishes(efforts, asked[name].moves)
+            if toggles or any(efforts.values()):
                 self.goals.disturb("the wearer moved")
         return wishes
+
+    def _taken(self, group: Group) -> bool:
+        """Whether a client drives a group; where classes move any joint, a lease on any counts."""
+        if self._client(group):
+            return True
+        joints = group.joints if group.name in self.muscles.recognised else ()
+        return any(self.clients.holder(joint) for joint in joints)
+
+    def _without_synergies_together(self, asked: Asked) -> Asked:
+        """A class that moves joints of its own must not push all joints where they are selected at once."""
+        together = {name for name in asked.moves if self.groups.group(name).together}
+        efforts = {name: 0.0 if name in together else effort for name, effort in asked.efforts.items()}
+        return replace(asked, efforts=efforts) if together else asked
 
     def percept(self, tick: int, due: float, gap: bool, state: State, emg: EmgFrame) -> Percept:
         """What learners are told of the tick under way, once operators have asked."""

@@ -6,6 +6,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
+from bentod.config_base import Name, Table
 from bentod.config_learn import Learn
 from bentod.config_tables import (
     Access,
@@ -14,11 +15,9 @@ from bentod.config_tables import (
     Emg,
     Group,
     Joint,
-    Name,
     Realtime,
     Record,
     Safety,
-    Table,
     Tcp,
 )
 from bentod.errors import nearest
@@ -121,10 +120,9 @@ def _dangling(config: Config) -> list[str]:
     uses = [(f"groups.{g.name}.joints", name, joints, "joint") for g in config.groups for name in g.joints]
     if config.emg:
         sites = [site.name for site in config.emg.sites]
-        for i, pair in enumerate(config.emg.pairs):
-            uses.append((f"emg.pairs.{i}.group", pair.group, groups, "group"))
-            named = [pair.positive, pair.negative, *([pair.toggle] if pair.toggle else [])]
-            uses += [(f"emg.pairs.{i}", name, sites, "site") for name in named]
+        for where, table in config.emg.driven():
+            uses.append((f"{where}.group", table.group, groups, "group"))
+            uses += [(where, name, sites, "site") for name in table.sites()]
     if config.learn:
         uses += [("learn", name, joints, "joint") for name in (*config.learn.joints, *config.learn.predict)]
     for where, assist in config.helped():
@@ -132,7 +130,30 @@ def _dangling(config: Config) -> list[str]:
     found = [
         f"{where}: there is no {kind} '{name}'" for where, name, known, kind in uses if name not in known
     ]
-    return found + _assist_without_learning(config) + _too_slow_to_stop(config)
+    found += _assist_without_learning(config) + _too_slow_to_stop(config) + _fooled(config)
+    return found + _unrecognisable(config)
+
+
+def _unrecognisable(config: Config) -> list[str]:
+    """Classes that move what is not there, or what sites move already."""
+    if config.emg is None or config.emg.recognition is None:
+        return []
+    groups = {group.name: group.joints for group in config.groups}
+    by_sites = {table.group for _, table in config.emg.driven()}
+    found = []
+    for i, one in enumerate(config.emg.recognition.classes):
+        where = f"emg.recognition.classes.{i}"
+        if one.group not in groups:
+            found.append(f"{where}.group: there is no group '{one.group}'{nearest(one.group, groups)}")
+            continue
+        if one.group in by_sites:
+            found.append(f"{where}.group: sites drive the group '{one.group}' already; leave it to either")
+        found += [
+            f"{where}.moves: {one.group} has no joint '{joint}'{nearest(joint, groups[one.group])}"
+            for joint in one.moves
+            if joint not in groups[one.group]
+        ]
+    return found
 
 
 def _too_slow_to_stop(config: Config) -> list[str]:
@@ -143,6 +164,25 @@ def _too_slow_to_stop(config: Config) -> list[str]:
     return [
         f"emg.stall_s = {config.emg.stall_s:g} at rate_hz = {config.rate_hz:g}: muscles that die would "
         f"move the arm for up to {late:.0f} ms; the bound is {STOPPED_AFTER * 1e3:.0f} ms"
+    ]
+
+
+def _fooled(config: Config) -> list[str]:
+    """Toggles that one bad sample could make: it is heard for as long as the envelope remembers."""
+    if config.emg is None:
+        return []
+    emg = config.emg
+    window = 1 / emg.envelope_hz if emg.envelope == "low_pass" else emg.window / emg.rate_hz
+    bounds = [
+        (f"emg.pairs.{i}.{key}", value)
+        for i, pair in enumerate(emg.pairs)
+        for key, value in pair.shortest().items()
+    ]
+    return [
+        f"{where} = {value:g}: must be above the memory of the envelope, {window:g} s, or one bad sample "
+        "may toggle"
+        for where, value in bounds
+        if not value > window
     ]
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
-from bentod.config_tables import Name, Table
+from bentod.config_base import Name, Table
 
 Expression: TypeAlias = Annotated[str, Field(min_length=1, max_length=500)]
 """A number of the state, e.g. "elbow.position" or "above(gripper.load, 0.2)": see docs/learning.md."""

@@ -6,18 +6,15 @@ from typing import Annotated, Literal, Self, TypeAlias, cast
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, model_validator
 
+from bentod.config_base import Name, Table
+from bentod.config_conditioning import Filter, Leads, beyond
+from bentod.config_recognition import Recognition
+from bentod.config_sites import Pair, SingleSite, Site
 from bentod.frames import Bounds, JointSpec, Value
 from bentod.hosts import is_this_machine
 
-Name: TypeAlias = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,31}$")]
 Angle: TypeAlias = Annotated[float, Field(ge=-6.3, le=6.3)]
 Options: TypeAlias = dict[str, JsonValue]
-
-
-class Table(BaseModel):
-    """A table of the file: no unknown keys, no infinities, no changes after reading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class Chosen(BaseModel):
@@ -65,7 +62,7 @@ class Joint(Table):
     home_rad: Angle = 0.0
     driver: Name | None = None
     limits: JointLimits = JointLimits()
-    hardware: Options = {}
+    hardware: Options = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -116,40 +113,33 @@ class Group(Table):
     joints: Annotated[tuple[Name, ...], Field(min_length=1, max_length=32)]
 
 
-class Site(Table):
-    """One EMG site (thesis A.1.2): effort is 0 at the threshold and 1 at the maximum."""
-
-    name: Name
-    channel: Annotated[int, Field(ge=0, le=255)]
-    gain: Annotated[float, Field(gt=0, le=1e6)] = 1.0
-    threshold_v: Annotated[float, Field(ge=0, le=10)]
-    max_v: Annotated[float, Field(gt=0, le=10)]
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if not self.threshold_v < self.max_v:
-            raise ValueError(f"threshold_v = {self.threshold_v} must be below max_v = {self.max_v}")
-        return self
-
-
-class Pair(Table):
-    """Two sites that drive one group, and a third that toggles it."""
-
-    group: Name
-    positive: Name
-    negative: Name
-    toggle: Name | None = None
-
-
 class Emg(Table):
     """Muscle signals and how they become effort."""
 
     rate_hz: Annotated[float, Field(ge=50, le=10_000)] = 200.0
     window: Annotated[int, Field(ge=1, le=1000)] = 10
     stall_s: Annotated[float, Field(ge=0.01, le=0.1)] = 0.06
+    envelope: Literal["mean", "rms", "low_pass"] = "mean"
+    """How loud a signal is: over `window` samples, or the rectified signal below `envelope_hz`."""
+    envelope_hz: Annotated[float, Field(ge=0.5, le=20)] = 4.0
+    filters: Annotated[tuple[Filter, ...], Field(max_length=8)] = ()
+    leads: Leads = Leads()
     source: Chosen
     sites: Annotated[tuple[Site, ...], Field(min_length=1, max_length=64)]
     pairs: Annotated[tuple[Pair, ...], Field(max_length=16)] = ()
+    single_sites: Annotated[tuple[SingleSite, ...], Field(max_length=16)] = ()
+    recognition: Recognition | None = None
+
+    def driven(self) -> tuple[tuple[str, Pair | SingleSite], ...]:
+        """What drives groups, each with its place in the file."""
+        pairs = ((f"emg.pairs.{i}", pair) for i, pair in enumerate(self.pairs))
+        return (*pairs, *((f"emg.single_sites.{i}", one) for i, one in enumerate(self.single_sites)))
+
+    @model_validator(mode="after")
+    def _carried(self) -> Self:
+        if problems := beyond(self.filters, self.rate_hz):
+            raise ValueError("\n".join(problems))
+        return self
 
 
 class Assist(Table):

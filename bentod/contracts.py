@@ -112,7 +112,20 @@ class EmgSource(Protocol):
     channels: int
 
     def __aiter__(self) -> AsyncIterator[EmgBlock]:
-        """Blocks as they arrive, in order. Raises InputFileError when the source breaks."""
+        """Blocks as they arrive, in order. Ends when there will be no more, which a recording may.
+
+        Raises:
+            InputFileError: the source broke, e.g. it was unplugged or is silent; it may be opened again.
+        """
+        ...
+
+
+@runtime_checkable
+class Promptable(Protocol):
+    """What a source with a simulated wearer offers besides: to be told what to do. Real wearers read it."""
+
+    def prompt(self, label: str) -> None:
+        """Have the wearer make this movement until another is asked for; one that is unknown is rest."""
         ...
 
 
@@ -126,9 +139,10 @@ class EmgConfig:
 
 
 OpenEmg: TypeAlias = Callable[[EmgConfig, Clock], AbstractAsyncContextManager[EmgSource]]
-"""How a source is opened.
+"""How a source is opened, and opened again when it broke. Another task may close it than opened it.
 
 Raises:
+    ConfigError: an option is unknown, out of bounds or does not fit the device.
     InputFileError: the file or device cannot be used.
 """
 

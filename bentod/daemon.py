@@ -8,6 +8,7 @@ import socket as sockets
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AsyncExitStack, contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from bentod import registry
@@ -15,11 +16,14 @@ from bentod.clock import suspended
 from bentod.config import Config
 from bentod.contracts import ArmConfig, Clock, EmgConfig, FaultInjector, Joints
 from bentod.emg.feed import Feed
+from bentod.emg.live.recogniser import Recogniser
+from bentod.emg.reopening import reopening
 from bentod.endpoint import default_socket_path
 from bentod.ensemble import Member, gather
 from bentod.furnish import about, furnished, mind_of
 from bentod.inbox import Inbox
 from bentod.learned import in_effect, learned
+from bentod.lessons import lessons
 from bentod.mind import Mind
 from bentod.publisher import Publisher
 from bentod.realtime import Upkeep
@@ -77,6 +81,7 @@ class Daemon:
             room.injector = joints if isinstance(joints, FaultInjector) else None
             feed = await self._open_feed(stack)
             desk = furnished(self.config, joints.torque(), feed, mind)
+            room.lessons = lessons(self.config, desk.muscles, self.config_file)
             records = self.config.record.enabled
             recorder = stack.enter_context(self._recorder(carried, mind)) if records else None
             room.recording = (lambda: described(recorder.status)) if recorder else None
@@ -90,19 +95,26 @@ class Daemon:
             _log.info("serving %s on %s", self.config.arm, self.socket)
             stack.enter_context(_signals_call(controller.end))
             stack.enter_context(self.upkeep.collector)
-            torque = await self._live(controller, inbox, feed, ticks)
+            torque = await self._live(controller, inbox, feed, desk.muscles.recognition, ticks)
             left = self._left(torque)
             _log.log(logging.WARNING if any(torque) else logging.INFO, "%s", left)
             return left
 
     async def _live(
-        self, controller: Controller, inbox: Inbox, feed: Feed | None, ticks: int
+        self,
+        controller: Controller,
+        inbox: Inbox,
+        feed: Feed | None,
+        recogniser: Recogniser | None,
+        ticks: int,
     ) -> tuple[bool, ...]:
         """Run the tick beside the tasks that feed it, then settle the arm whatever happened."""
         async with asyncio.TaskGroup() as tasks:
             helpers = [tasks.create_task(self._start(inbox), name="start")]
             if feed:
                 helpers.append(tasks.create_task(feed.pump(), name="emg"))
+            if recogniser:
+                helpers.append(tasks.create_task(recogniser.run(), name="recognition"))
             try:
                 await controller.run(ticks)
             finally:
@@ -155,10 +167,14 @@ class Daemon:
         emg = self.config.emg
         if emg is None:
             return None
-        channels = 1 + max(site.channel for site in emg.sites)
+        used = emg.recognition.channels if emg.recognition else ()
+        channels = 1 + max(*(site.channel for site in emg.sites), *used, 0)
         config = EmgConfig(emg.rate_hz, channels, emg.source.options)
-        source = await stack.enter_async_context(registry.open_emg(emg.source.name)(config, self.clock))
-        return Feed(source, emg.stall_s)
+        opens = partial(registry.open_emg(emg.source.name), config, self.clock)
+        source = await stack.enter_async_context(reopening(opens, self.clock))
+        feed = Feed(source, emg.stall_s)
+        source.lost, source.back, feed.prompt = feed.lost, feed.back, source.prompt
+        return feed
 
     def _recorder(self, carried: bytes, mind: Mind) -> Recorder:
         """`carried`: the snapshot that the learners of `mind` go on with."""

@@ -6,6 +6,7 @@ from bentod.arm_state import ArmState, shortened
 from bentod.control.clients import Push
 from bentod.control.groups import Group
 from bentod.control.leases import Holder, Lease
+from bentod.emg.live.collection import Collection
 from bentod.errors import BadRequest, Refused, nearest
 from bentod.frames import Command, Mode, Stop, Trial, Value
 
@@ -182,8 +183,18 @@ class Desk(ArmState):
             self.recency.require()
             if self.muscles.paused:
                 self._operators.suspend_all()
+        if on and self.muscles.recognition:
+            self.muscles.recognition.cancel("EMG was paused.")
         self.muscles.paused = on
         self.journal.note("emg", f"EMG {'paused' if on else 'released'}")
+
+    def collect(self, collection: Collection) -> None:
+        """Prompt contractions and keep what is done, while muscles move nothing.
+
+        Afterwards the muscles must be seen at rest. Raises Refused: a collection is under way.
+        """
+        self.recognition.collect(collection, self.interventions)
+        self._operators.suspend_all()
 
     def change_assist(self, changes: Mapping[str, Value], group: str | None = None) -> None:
         """Change the settings of the assist of a group (None: the first). Raises as `Mind.change` does."""

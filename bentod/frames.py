@@ -8,6 +8,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from bentod.recognition_frame import RecognitionFrame
+
 Value: TypeAlias = "bool | int | float | str | bytes | list[Value] | dict[str, Value] | None"
 """What a config file or a message can hold."""
 
@@ -171,12 +173,13 @@ class EmgFrame:
 
     alive: bool
     paused: bool
-    problem: str  # why the source is not alive; empty otherwise
+    problem: str  # why the source is not alive, or must be seen at rest first; empty otherwise
     next_index: int  # index after the newest sample
     age: float  # s since the newest sample
     dropped: int  # samples lost since the source was opened
     effort: Mapping[str, float]  # by site, 0..1
     toggles: int  # since the start
+    recognition: RecognitionFrame | None = None  # None: the config asks for none
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,17 +55,19 @@ class Mind:
         assists: Sequence[Assist] = (),
         sites: Sequence[str] = (),
         open_assist: Callable[[str], OpenAssist] = registry.open_assist,
+        classes: Sequence[str] = (),
     ) -> None:
-        """`sites`: names of the muscle signals. `open_assist`: finds the assist of a mode.
+        """`sites`: names of the muscle signals; `classes`: of recognised contractions.
+
+        `open_assist`: finds the assist of a mode.
 
         Raises ConfigError: a question is not one.
         """
         self._open_assist = open_assist
         self.groups = groups
         self._names = tuple(spec.name for spec in specs)
-        body = Body(
-            specs, sites, {group.name: [self._names[j] for j in group.joints] for group in groups}, rate_hz
-        )
+        members = {group.name: [self._names[j] for j in group.joints] for group in groups}
+        body = Body(specs, sites, members, rate_hz, classes)
         self._predictor = Predictor(body, learn) if learn else None
         self._timescales = learn.timescales if learn and learn.joints else ()
         seen = learn.representation if learn else ARM

@@ -32,6 +32,14 @@ class Source:
     options: str  # model of [emg.source]
 
 
+@dataclass(frozen=True, slots=True)
+class ClassifierKind:
+    """Where a classifier of muscle signals is trained, and where what was kept of it is had back."""
+
+    train: str  # Train, of bentod.emg.recognition
+    restore: str  # Restore, of bentod.emg.classify.kinds
+
+
 JOINTS = {
     "dynamixel": Driver(
         "drivers.dynamixel.joints:open_joints",
@@ -55,6 +63,10 @@ JOINTS = {
 EMG = {
     "synthetic": Source("sim.emg:open_emg", "sim.emg:Options"),
     "replay": Source("drivers.emg.replay:open_emg", "drivers.emg.replay:Options"),
+    "lsl": Source("drivers.emg.lsl:open_emg", "drivers.emg.lsl:Options"),
+    "serial": Source("drivers.emg.serial:open_emg", "drivers.emg.serial:Options"),
+    "nidaqmx": Source("drivers.emg.nidaqmx_source:open_emg", "drivers.emg.nidaqmx_options:Options"),
+    "brainflow": Source("drivers.emg.brainflow_source:open_emg", "drivers.emg.brainflow_options:Options"),
 }
 
 LEARNERS = {
@@ -77,6 +89,24 @@ ASSISTS = {
     "adaptive_switching": "bentod.assist.adaptive_switching:open_assist",
 }
 
+CLASSIFIERS = {
+    "lda": ClassifierKind("bentod.emg.classify.lda:train", "bentod.emg.classify.linear:restore"),
+    "lda_adaptive": ClassifierKind("bentod.emg.adapt.normal:train", "bentod.emg.adapt.normal:restore"),
+    "lda_shrunk": ClassifierKind(
+        "bentod.emg.classify.lda:train_shrunk", "bentod.emg.classify.linear:restore"
+    ),
+    "knn": ClassifierKind("bentod.emg.classify.nearest:train", "bentod.emg.classify.nearest:restore"),
+    "random_forest": ClassifierKind(
+        "bentod.emg.classify.random_forest:train", "bentod.emg.classify.forest:restore"
+    ),
+    "svm_linear": ClassifierKind(
+        "bentod.emg.classify.svm:train_linear", "bentod.emg.classify.pairs:restore_linear"
+    ),
+    "svm_rbf": ClassifierKind(
+        "bentod.emg.classify.svm:train_rbf", "bentod.emg.classify.pairs:restore_kernel"
+    ),
+}
+
 ON_POLICY = frozenset({"true_online", "true_online_5", "tidbd", "autostep", "swifttd"})
 """Learners that do not heed ρ, so that a policy of one's own would mean nothing to them."""
 
@@ -87,11 +117,12 @@ COMMANDS = {
     "watch": "bentod.cli.watch:watch",
     "doctor": "drivers.dynamixel.doctor.command:doctor",
     "servo": "drivers.dynamixel.provision.command:servo",
-    "calibrate": "bentod.cli.calibrate:calibrate",
+    "calibrate": "bentod.cli.calibrating:calibrate",
     "recording": "bentod.cli.recording:recording",
     "replay": "bentod.cli.replay:replay",
     "learn": "bentod.cli.learn:learn",
     "teach": "bentod.cli.teach:teach",
+    "emg": "bentod.cli.emg:emg",
     "lsl": "bentod.cli.lsl:lsl",
     "bench": "bentod.cli.bench:bench",
     "study": "sim.studies.command:study",
@@ -99,9 +130,25 @@ COMMANDS = {
     "sim-can": "sim.can.process:sim_can",
 }
 
+EXTRAS = {
+    "pylsl": "lsl",
+    "nidaqmx": "ni",
+    "grpc": "ni",
+    "brainflow": "brainflow",
+    "scipy": "emg",
+    "sklearn": "emg",
+    "threadpoolctl": "emg",
+}
+"""Which extra of bentod brings a library that it can do without."""
+
 TARGETS = {
     **{f"joints.{name}.{field}": getattr(d, field) for name, d in JOINTS.items() for field in d.__slots__},
     **{f"emg.{name}.{field}": getattr(s, field) for name, s in EMG.items() for field in s.__slots__},
+    **{
+        f"classifiers.{name}.{field}": getattr(c, field)
+        for name, c in CLASSIFIERS.items()
+        for field in c.__slots__
+    },
     **{f"assists.{name}": target for name, target in ASSISTS.items()},
     **{f"learners.{name}": target for name, target in LEARNERS.items()},
     **{f"commands.{name}": target for name, target in COMMANDS.items()},
@@ -120,8 +167,14 @@ def resolve(target: str) -> object:
     try:
         found: object = getattr(importlib.import_module(module_name), attribute)
     except (ImportError, AttributeError) as error:
-        raise ConfigError(f"{target} cannot be loaded: {error}") from error
+        raise ConfigError(f"{target} cannot be loaded: {error}{_missing_extra(error)}") from error
     return found
+
+
+def _missing_extra(error: Exception) -> str:
+    """The end of a sentence about a library that is not installed."""
+    extra = EXTRAS.get((getattr(error, "name", "") or "").partition(".")[0])
+    return f"; pip install 'bentod[{extra}]' brings it" if extra and isinstance(error, ImportError) else ""
 
 
 def open_joints(name: str) -> OpenJoints:

@@ -12,6 +12,9 @@ from drivers.emg.options import parse
 from drivers.emg.pacing import Pacer, Slot
 from sim.clock import DriftingClock
 from sim.emg_wearer import TOGGLE, Options, Wearer
+from sim.movement_signals import Moving
+from sim.movements import Prompted
+from sim.obeying import Obeying
 
 RATES_HZ = (50.0, 10_000.0)
 """Bounds of the sampling rate: above twice the lowest frequency of the band, below what a table can hold."""
@@ -46,13 +49,24 @@ class Synthetic:
         """s by which blocks come later than they could, with the times at which they were taken."""
         self.relaxed = False
         """The wearer is at rest, whatever the program says."""
-        self._wearer = Wearer(options, rate_hz, channels)
-        self._resting = Wearer(options.model_copy(update={"full_v": 0.0}), rate_hz, channels)
+        movements = options.movements
+        self.obeying = Obeying(movements, rate_hz) if movements and movements.obeys else None
+        """Who makes what `prompt` asks for; None: nobody heeds it."""
+        alone = movements if movements and not movements.obeys else None
+        self.moving = Moving(alone, rate_hz) if alone else None
+        """Who makes prompted movements, and can tell which is truly made at a sample; None: another."""
+        self._wearer = self.obeying or self.moving or Wearer(options, rate_hz, channels)
+        self._resting = _resting(options, rate_hz, channels)
         self._own = DriftingClock(clock)
         self._pacer = Pacer(self._own, rate_hz, options.block_s, options.buffer_s)
         self._dropout = options.dropout
         self._lost = 0  # samples since the last block that arrived
         self._random = np.random.default_rng([options.seed, 2])
+
+    def prompt(self, label: str) -> None:
+        """Have the wearer make this movement until another is asked for, if they obey."""
+        if self.obeying:
+            self.obeying.prompt(label)
 
     @property
     def drift(self) -> float:
@@ -89,11 +103,31 @@ class Synthetic:
         return samples
 
 
+def _resting(options: Options, rate_hz: float, channels: int) -> Wearer | Moving:
+    """The same person, who does nothing."""
+    if options.movements is None:
+        return Wearer(options.model_copy(update={"full_v": 0.0}), rate_hz, channels)
+    idle = {"effort": 0.0, "load_share": 0.0, "repetitions": 1}
+    return Moving(options.movements.model_copy(update=idle), rate_hz)
+
+
+def _electrodes(movements: Prompted, config: EmgConfig) -> int:
+    """Channels of prompted movements; none is added, which would move the others."""
+    if config.channels > movements.electrodes:
+        raise ConfigError(
+            f"The EMG option 'movements.electrodes' is {movements.electrodes}, but the config reads channel "
+            f"{config.channels - 1}, counted from 0.",
+            "movements.electrodes",
+        )
+    return movements.electrodes
+
+
 @asynccontextmanager
 async def open_emg(config: EmgConfig, clock: Clock) -> AsyncIterator[Synthetic]:
     """Open a simulated wearer; the options are those of `Options`.
 
-    It has a channel for every muscle of the program and for every site, at least three.
+    It has a channel for every muscle of the program and for every site, at least three; for prompted
+    movements as many as there are electrodes.
 
     Raises:
         ConfigError: an option is unknown or out of bounds, or the rate or the program is.
@@ -105,7 +139,11 @@ async def open_emg(config: EmgConfig, clock: Clock) -> AsyncIterator[Synthetic]:
             f"Simulated EMG cannot run at {config.rate_hz:g} Hz; it must be from {low:g} to {high:g} Hz.",
             "rate_hz",
         )
-    channels = max(TOGGLE + 1, config.channels, *(step.channel + 1 for step in options.program))
+    if options.movements is not None:
+        yield Synthetic(options, config.rate_hz, _electrodes(options.movements, config), clock)
+        return
+    named = [it for step in options.program for it in (step.channel, step.also) if it is not None]
+    channels = max(TOGGLE + 1, config.channels, max(named) + 1)
     values = sum(step.seconds for step in options.program) * config.rate_hz * channels
     if values > MOST_VALUES:
         raise ConfigError(

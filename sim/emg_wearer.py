@@ -9,6 +9,7 @@ from pydantic import Field
 from bentod.frames import Samples
 from drivers.emg.options import Table
 from drivers.emg.pacing import BLOCK_S, BUFFER_S
+from sim.movements import Prompted
 
 POSITIVE, NEGATIVE, TOGGLE = 0, 1, 2
 """Channels: the muscle that moves a joint up, its antagonist, and the toggle site on the other forearm."""
@@ -18,11 +19,12 @@ NOISE_SAMPLES = 2**15
 
 
 class Step(NamedTuple):
-    """One line of the program; every other muscle is at rest meanwhile."""
+    """One line of the program; every muscle that it does not name is at rest meanwhile."""
 
     channel: Annotated[int, Field(ge=0, le=63)]
     level: Annotated[float, Field(ge=0.0, le=1.0)]  # share of the full contraction
     seconds: Annotated[float, Field(ge=0.01, le=60.0)]
+    also: Annotated[int, Field(ge=0, le=63)] | None = None  # another channel, contracted just as much
 
 
 CIRCUIT = (
@@ -47,7 +49,10 @@ class Options(Table):
 
     seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 1
     program: Annotated[tuple[Step, ...], Field(min_length=1, max_length=200)] = CIRCUIT
-    """Steps of [channel, level, seconds], repeated without end."""
+    """Steps of [channel, level, seconds], or with another channel at the end, repeated without end."""
+
+    movements: Prompted | None = None
+    """Prompted movements of the wrist instead of the program and its muscles."""
 
     lag_s: Annotated[float, Field(ge=0.0, le=0.5)] = 0.07
     """Time constant from the intent to the activation of a muscle."""
@@ -111,7 +116,7 @@ def _activation(options: Options, rate_hz: float, channels: int) -> NDArray[np.f
     ends = np.rint(np.cumsum([step.seconds for step in options.program]) * rate_hz).astype(int)
     intent = np.zeros((ends[-1], channels))
     for start, end, step in zip([0, *ends[:-1]], ends, options.program, strict=True):
-        intent[start:end, step.channel] = step.level
+        intent[start:end, [step.channel, step.channel if step.also is None else step.also]] = step.level
     decay = np.exp(-1 / (options.lag_s * rate_hz)) if options.lag_s else 0.0
     omega = 2 * np.pi * np.fft.rfftfreq(len(intent))
     lag = (1 - decay) / (1 - decay * np.exp(-1j * omega))

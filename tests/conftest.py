@@ -1,7 +1,10 @@
 """Every async test runs in virtual time, unless it is marked `real_time`."""
 
 import asyncio
+import importlib
+import uuid
 from collections.abc import Callable, Iterator, Mapping
+from types import ModuleType
 
 import pytest
 from hypothesis import settings
@@ -25,6 +28,29 @@ def _recordings_go_nowhere_else(tmp_path_factory: pytest.TempPathFactory) -> Ite
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
         yield
+
+
+@pytest.fixture(scope="session")
+def pylsl(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
+    """The library, in a session of its own on this machine, if streams can be found here at all.
+
+    It reads its settings once, so all tests that use it in this process share them.
+    """
+    settings = tmp_path_factory.mktemp("lsl") / "lsl_api.cfg"
+    settings.write_text(
+        f"[lab]\nSessionID = bentod-{uuid.uuid4()}\n[multicast]\nResolveScope = machine\n[log]\nlevel = -2\n"
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("LSLAPICFG", str(settings))  # for the processes that are started meanwhile, too
+        try:
+            library = importlib.import_module("pylsl")
+        except (ImportError, RuntimeError) as error:
+            pytest.skip(f"pylsl cannot be loaded: {error}")
+        probe = library.StreamOutlet(library.StreamInfo("probe", "Markers", 1, 0, "string", "probe"))
+        if not library.resolve_byprop("source_id", "probe", 1, 5.0):
+            pytest.skip("LSL finds no streams on this machine: it lets no multicast through")
+        del probe
+        yield library
 
 
 @pytest.fixture

@@ -202,9 +202,10 @@ async def test_groups_are_driven_toggled_and_chosen_by_clients(socket: Path) -> 
 
 async def test_emg_and_assist_can_be_tuned_while_the_arm_is_in_use(socket: Path) -> None:
     async with running(sim_config(PLAIN), socket) as arm:
-        await arm.call("emg_set", site="flexor", gain=2.0, max_v=50e-6)
+        await arm.call("emg_set", site="flexor", gain=2.0, max_v=50e-6, release=0.8)
         sites = tables(table(await arm.call("emg_get")), "sites")
-        assert sites[0] == {"name": "flexor", "channel": 0, "gain": 2.0, "threshold_v": 10e-6, "max_v": 50e-6}
+        volts = {"threshold_v": 10e-6, "max_v": 50e-6}
+        assert sites[0] == {"name": "flexor", "channel": 0, "gain": 2.0, **volts, "release": 0.8}
         with pytest.raises(RpcError, match="must be above the threshold"):
             await arm.call("emg_set", site="flexor", max_v=1e-6)
         await arm.call("assist_set", k=0.1, timescale=10)

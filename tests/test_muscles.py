@@ -10,7 +10,7 @@ import pytest
 
 from bentod.client import Client
 from bentod.config import Config
-from bentod.config_tables import Pair, Site
+from bentod.config_sites import CoContraction, Pair, SingleSite, Site
 from bentod.contracts import Clock, EmgConfig
 from bentod.emg.feed import Feed
 from bentod.errors import BadRequest
@@ -187,6 +187,7 @@ async def test_a_site_can_be_changed_while_it_is_in_use(wire: Wire) -> None:
         "gain": 1.25,
         "threshold_v": 2.0,
         "max_v": 4.0,
+        "release": 1.0,
     }
 
 
@@ -314,3 +315,96 @@ async def test_the_end_of_a_recording_in_mid_contraction_stops_the_arm_within_10
         assert number(muscles, "age") <= LIMIT
         await asyncio.sleep(1)
         assert is_stopped(await state(arm))
+
+
+SQUEEZED = [PAIRS[0].model_copy(update={"toggle": None, "co_contraction": CoContraction()})]
+
+
+async def squeezing(wire: Wire) -> Wire:
+    """The same wire to muscles that toggle by a squeeze, at rest."""
+    wire.muscles = Muscles(wire.feed, SITES, SQUEEZED, window=10)
+    await wire.signal(0.5, REST, REST, REST)
+    return wire
+
+
+async def test_a_squeeze_of_both_sites_toggles_and_moves_nothing(wire: Wire) -> None:
+    await squeezing(wire)
+    look = await wire.signal(0.4, FULL, 2.5, REST)
+    assert (look.toggles, look.efforts, look.tense) == (["arm"], {"arm": 0.0}, {"arm"})
+    look = await wire.signal(0.4, FULL, 2.5, REST)
+    assert (look.toggles, look.efforts, look.frame.toggles) == ([], {"arm": 0.0}, 1)
+
+
+async def test_a_squeeze_that_toggles_back_is_told_apart(wire: Wire) -> None:
+    await squeezing(wire)
+    back = SQUEEZED[0].model_copy(update={"co_contraction": CoContraction(direction="backward")})
+    wire.muscles = Muscles(wire.feed, SITES, [back], window=10)
+    await wire.signal(0.5, REST, REST, REST)
+    look = await wire.signal(0.4, FULL, 2.5, REST)
+    assert (look.asked.toggles, look.asked.toggles_back) == ([], ["arm"])
+
+
+async def test_a_squeeze_that_began_while_the_muscles_were_paused_or_lost_is_forgotten(wire: Wire) -> None:
+    await squeezing(wire)
+    await wire.signal(0.1, FULL, FULL, REST)
+    wire.muscles.paused = True
+    wire.look()
+    wire.muscles.paused = False
+    assert (await wire.signal(0.4, FULL, 2.0, REST)).asked.efforts == {"arm": 0.0}
+    await wire.signal(0.5, REST, REST, REST)
+    await wire.signal(0.1, FULL, FULL, REST)
+    await wire.silence(0.2)
+    look = await wire.signal(0.4, FULL, 2.0, REST)
+    assert (look.efforts, look.frame.toggles) == ({"arm": 0.0}, 0)
+    await wire.signal(0.5, REST, REST, REST)
+    assert (await wire.signal(0.4, FULL, FULL, REST)).toggles == ["arm"]
+
+
+async def test_muscles_that_were_not_listened_to_for_long_start_from_rest(wire: Wire) -> None:
+    await squeezing(wire)
+    await wire.signal(0.1, FULL, FULL, REST)
+    for _ in range(800):  # more than the ring holds
+        wire._blocks.put_nowait(
+            EmgBlock(wire._index, asyncio.get_running_loop().time(), np.ones((1, 3), np.float32))
+        )
+        wire._index += 1
+        await asyncio.sleep(1 / RATE_HZ)
+    assert wire.look().toggles == []
+    assert (await wire.signal(0.5, REST, REST, REST)).toggles == []
+
+
+async def test_pairs_that_cancel_out_are_still_tense(wire: Wire) -> None:
+    look = await wire.signal(0.2, FULL, FULL, REST)
+    assert (look.efforts, look.tense) == ({"arm": 0.0}, {"arm"})
+    assert (await wire.signal(0.2, REST, REST, REST)).tense == set()
+
+
+async def test_a_release_can_be_set_while_the_site_is_in_use(wire: Wire) -> None:
+    wire.muscles.change_site("up", release=0.5)
+    await wire.signal(0.2, 2.0, REST, REST)
+    assert (await wire.signal(0.2, 0.9, REST, REST)).efforts == {"arm": pytest.approx(0.4 / 2.5, abs=0.01)}
+    with pytest.raises(BadRequest, match="the release is 0"):
+        wire.muscles.change_site("up", release=0.0)
+
+
+async def test_one_site_alone_drives_a_group(wire: Wire) -> None:
+    wire.muscles = Muscles(wire.feed, SITES, (), 10, [SingleSite(group="hand", site="up", toggle="next")])
+    await wire.signal(0.5, REST, REST, REST)
+    assert (await wire.signal(0.4, 1.5, REST, REST)).efforts == {"hand": pytest.approx(0.25)}
+    await wire.signal(0.5, REST, REST, REST)
+    look = await wire.signal(0.4, FULL, REST, FULL)
+    assert (look.efforts, look.toggles) == ({"hand": -1.0}, ["hand"])
+
+
+async def test_whoever_squeezes_when_the_arm_is_released_toggles_nothing(tmp_path: Path) -> None:
+    squeeze = ('toggle = "other_forearm"', "co_contraction = {}")
+    held = ('name = "synthetic"', 'name = "synthetic"\nprogram = [[0, 0.0, 2.0], [0, 1.0, 60.0, 1]]')
+    async with running(sim_config(PLAIN, squeeze, held), tmp_path / "s") as arm:
+        await wait_for(arm, lambda frame: number(table(frame["emg"]), "next_index") > 350)
+        await arm.call("pause")
+        await wait_for(arm, lambda frame: number(table(table(frame["emg"])["effort"]), "flexor") > 0.05)
+        await arm.call("pause", on=False)
+        await asyncio.sleep(1.0)
+        frame = await state(arm)
+        assert tables(frame, "groups")[0]["active"] == "shoulder_rotation"
+        assert is_stopped(frame)

@@ -17,6 +17,15 @@ def test_a_target_that_is_not_there_is_an_error_with_its_name() -> None:
         registry.resolve("sim.joints:nothing")
 
 
+def test_a_source_whose_library_is_not_installed_names_the_extra_that_brings_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, "pylsl", None)
+    monkeypatch.delitem(sys.modules, "drivers.emg.lsl", raising=False)
+    with pytest.raises(ConfigError, match=r"drivers\.emg\.lsl:open_emg .*; pip install 'bentod\[lsl\]'"):
+        registry.open_emg("lsl")
+
+
 def test_a_stranger_called_drivers_is_refused_before_it_is_imported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -117,6 +117,7 @@ class TickColumns:
         found = [*_leaves(Frame, words.FRAME), *_leaves(Costs, words.COSTS, "costs.")]
         found += [*_leaves(Trial, words.TRIAL, "trial."), *_leaves(EmgFrame, words.EMG, "emg.")]
         found += _named("emg.effort.", self._sites, words.EFFORT)
+        found.append(_column("emg.recognition", "text", words.RECOGNITION))
         for group in self._groups:
             found += _leaves(GroupFrame, words.GROUP, f"group.{group}.")
             found.append(_column(f"group.{group}.joints", "text", words.JOINTS_OF_GROUP))
@@ -146,6 +147,8 @@ class TickColumns:
         cells += _cells(Trial, [frame.trial for frame in frames])
         cells += _cells(EmgFrame, [frame.emg for frame in frames])
         cells += self._by_key("emg.effort", [frame.emg.effort for frame in frames], self._sites, other)
+        recognised = [frame.emg.recognition for frame in frames]
+        cells.append([as_json(found) if found else "" for found in recognised])
         cells += self._group_cells(frames, other)
         cells += _cells(AssistFrame, [frame.assist for frame in frames])
         cells += _cells(GoalFrame, [frame.goal for frame in frames])
@@ -214,7 +217,7 @@ def _union(keys: Iterable[Iterable[str]]) -> tuple[str, ...]:
 _KINDS: Mapping[object, Kind] = {float: "float", int: "int", bool: "bool"}
 _NESTED = frozenset(
     {"costs", "joints", "emg", "groups", "assist", "goal", "meta", "trial", "effort"}
-    | {"errors", "stop", "asked", "sent", "predictions", "learn", "more_assists", "moving"}
+    | {"errors", "stop", "asked", "sent", "predictions", "learn", "more_assists", "moving", "recognition"}
 )
 """Fields that are not one value and have columns of another form."""
 

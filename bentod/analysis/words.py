@@ -62,6 +62,8 @@ EMG = {
     "toggles": Word("", "toggles by the muscles since the start"),
 }
 
+RECOGNITION = Word("", "JSON of the newest decision of pattern recognition; empty if there is none")
+
 EFFORT = Word("", "effort of the site, 0..1")
 
 GROUP = {

@@ -1,15 +1,17 @@
-"""Changes a joint's hardware keys in a config file and leaves everything else in it as it was typed."""
+"""Changes keys of a joint or of EMG sites in a config file, and leaves all else in it as it was typed."""
 
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import tomlkit
+from tomlkit import TOMLDocument
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT, InlineTable, Item, Table
 
 from bentod.config_file import OptionModels, parse
+from bentod.config_sites import BRACHIOPLEXUS, Site
 from bentod.errors import ConfigError
 
 
@@ -19,17 +21,48 @@ def edited(text: str, joint: str, values: Mapping[str, float]) -> str:
     Raises:
         ConfigError: it is not TOML, or has no such joint.
     """
-    try:
-        document = tomlkit.parse(text)
-    except TOMLKitError as error:
-        raise ConfigError(f"not valid TOML: {error}") from error
+    document = _parsed(text)
     hardware = _hardware(document.get("joints"), joint)
     for key, value in values.items():
         hardware[key] = value
     return _tidy(tomlkit.dumps(document), hardware)
 
 
+def edited_sites(text: str, sites: Mapping[str, Mapping[str, float]]) -> str:
+    """The config `text` with these values in the tables of EMG sites, by name; what is so already stays.
+
+    Raises:
+        ConfigError: it is not TOML, or has no such site.
+    """
+    document = _parsed(text)
+    emg = document.get("emg")
+    listed = emg.get("sites") if isinstance(emg, Mapping) else None
+    rows = listed if isinstance(listed, Sequence) and not isinstance(listed, str) else ()
+    tables = {str(one.get("name")): one for one in rows if isinstance(one, Table | InlineTable)}
+    for name, values in sites.items():
+        if name not in tables:
+            raise ConfigError(f"there is no [[emg.sites]] table of the name '{name}'")
+        _put(tables[name], values)
+    text = tomlkit.dumps(document)
+    for table in tables.values():
+        text = _tidy(text, table)
+    return text
+
+
+def _put(site: Table | InlineTable, values: Mapping[str, float]) -> None:
+    """Into a table that may call its keys as users of brachIOplexus do."""
+    for key, value in values.items():
+        spelt = next((other for other, ours in BRACHIOPLEXUS.items() if ours == key and other in site), key)
+        if site.get(spelt, Site.model_fields[key].default) != value:
+            site[spelt] = value
+
+
 def rewrite(path: Path, joint: str, values: Mapping[str, float], models: OptionModels) -> Path:
+    """Edit a joint in the file at `path`; returns where the old one is kept. Raises as `rewritten` does."""
+    return rewritten(path, lambda text: edited(text, joint, values), models)
+
+
+def rewritten(path: Path, edit: Callable[[str], str], models: OptionModels) -> Path:
     """Edit the file at `path`, if the result is a config that loads; returns where the old one is kept.
 
     Raises:
@@ -37,7 +70,7 @@ def rewrite(path: Path, joint: str, values: Mapping[str, float], models: OptionM
     """
     try:
         text = path.read_text(encoding="utf-8")
-        changed = edited(text, joint, values)
+        changed = edit(text)
         parse(changed, str(path), models)
         backup = path.with_name(f"{path.name}.bak")
         _replace(backup, text, path)
@@ -45,6 +78,13 @@ def rewrite(path: Path, joint: str, values: Mapping[str, float], models: OptionM
     except OSError as error:
         raise ConfigError(f"{path}: cannot be changed: {error.strerror}") from error
     return backup
+
+
+def _parsed(text: str) -> TOMLDocument:
+    try:
+        return tomlkit.parse(text)
+    except TOMLKitError as error:
+        raise ConfigError(f"not valid TOML: {error}") from error
 
 
 def _hardware(joints: Item | None, name: str) -> Table | InlineTable:

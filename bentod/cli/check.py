@@ -7,6 +7,8 @@ import click
 
 from bentod.cli.configs import find, read
 from bentod.cli.learning_words import sentences
+from bentod.cli.muscle_words import explain_scheme
+from bentod.cli.recognition_words import explain_recognition
 from bentod.config import Config
 from bentod.errors import ConfigError
 from bentod.furnish import mind_of
@@ -74,9 +76,9 @@ def _explain_muscles(config: Config) -> list[str]:
         return ["No muscles: there is no [emg] table."]
     emg = config.emg
     lines = [f"EMG from '{emg.source.name}' at {emg.rate_hz:g} Hz, {len(emg.sites)} sites."]
-    for pair in emg.pairs:
-        toggled = f", toggled by {pair.toggle}" if pair.toggle else ""
-        lines.append(f"  {pair.positive} minus {pair.negative} drives the group {pair.group}{toggled}.")
+    lines += [f"  {sentence}" for _, table in emg.driven() for sentence in explain_scheme(table)]
+    if emg.recognition:
+        lines += [f"  {sentence}" for sentence in explain_recognition(emg.recognition)]
     return lines
 
 

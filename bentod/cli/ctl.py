@@ -8,6 +8,7 @@ from bentod.cli import show
 from bentod.cli.ctl_arm import ARM
 from bentod.cli.ctl_learning import LEARNING
 from bentod.cli.ctl_muscles import MUSCLES
+from bentod.cli.ctl_recognition import RECOGNITION
 from bentod.cli.ctl_session import SESSION
 from bentod.cli.link import ADDRESS, CA_FILE, TOKEN_FILE, Link, Way, assigned
 from bentod.endpoint import default_socket_path
@@ -110,5 +111,5 @@ def clients(link: Link) -> None:
     link.do("list_clients")
 
 
-for command in (*ARM, *MUSCLES, *LEARNING, *SESSION):
+for command in (*ARM, *MUSCLES, *RECOGNITION, *LEARNING, *SESSION):
     ctl.add_command(command)

@@ -1,8 +1,11 @@
 """Commands of `bentod ctl` about joint groups, muscle signals and assistance."""
 
+from pathlib import Path
+
 import click
 
 from bentod.cli.link import Link, assigned
+from bentod.cli.site_settings import keep
 
 ON_OFF = click.Choice(["on", "off"])
 PARAMETERS = click.argument("parameters", metavar="NAME=VALUE...", nargs=-1, required=True)
@@ -56,8 +59,18 @@ def emg(link: Link) -> None:
 @PARAMETERS
 @click.pass_obj
 def emg_set(link: Link, site: str, parameters: tuple[str, ...]) -> None:
-    """Change a site: gain=…, threshold_v=…, max_v=…; what is left out stays."""
+    """Change a site: gain=…, threshold_v=…, max_v=…, release=…; what is left out stays."""
     link.do("emg_set", **(assigned(parameters) | {"site": site}))
+
+
+@click.command("emg-save")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.pass_obj
+def emg_save(link: Link, file: Path) -> None:
+    """Keep what the sites are set to now in a config file, comments and all."""
+    with link.open() as arm:
+        for line in keep(file, arm.call("emg_get")):
+            click.echo(line)
 
 
 @click.command("emg-pause")
@@ -92,5 +105,5 @@ def reward(link: Link, value: float, group: str | None) -> None:
     link.do("reward", value=value, group=group)
 
 
-MUSCLES = (groups, group, toggle, activate, emg, emg_set, emg_pause, assist, assist_set, reward)
+MUSCLES = (groups, group, toggle, activate, emg, emg_set, emg_save, emg_pause, assist, assist_set, reward)
 """In the order of the help."""

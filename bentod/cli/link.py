@@ -100,7 +100,7 @@ class Link:
             with self.way.blocking(self.timeout) as arm:
                 yield arm
         except BentodError as error:
-            raise _failure(error) from error
+            raise failure(error) from error
 
     def do(self, method: str, /, **named: Value) -> None:
         """Ask one thing and show the answer, if there is one."""
@@ -131,7 +131,8 @@ class Link:
                     self.show(entry, text(entry))
 
 
-def _failure(error: BentodError) -> Failed:
+def failure(error: BentodError) -> Failed:
+    """The error as an exit code and a line."""
     if isinstance(error, Disconnected):
         return NoDaemon(str(error))
     misused = error.code in (BadRequest.code, ConfigError.code)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from bentod.contracts_assist import TOGETHER
 from bentod.errors import BadRequest
-from bentod.frames import JointSpec, Value, Velocity, Wishes
+from bentod.frames import Command, JointSpec, Value, Velocity, Wishes
 
 
 @dataclass(slots=True)
@@ -81,9 +81,24 @@ class Groups:
             for group in self
         ]
 
-    def wishes(self, efforts: Mapping[str, float]) -> Wishes:
-        """What efforts (-1..1, by group) ask of the joints."""
-        return {j: wish for name, effort in efforts.items() for j, wish in self.wish(name, effort).items()}
+    def wishes(
+        self, efforts: Mapping[str, float], moves: Mapping[str, Mapping[str, float]] | None = None
+    ) -> Wishes:
+        """What efforts (-1..1, by group) ask of the joints.
+
+        `moves`: of groups whose joints move together rather than the active one, the share (-1..1) of its
+        top speed that effort 1 asks of each joint.
+        """
+        asked: dict[int, Command] = {}
+        for name, effort in efforts.items():
+            together = (moves or {}).get(name)
+            asked |= self.wish(name, effort) if together is None else self._synergy(name, together, effort)
+        return asked
+
+    def _synergy(self, name: str, moves: Mapping[str, float], effort: float) -> dict[int, Command]:
+        shares = {joint: max(-1.0, min(1.0, effort * moves.get(self._specs[joint].name, 0.0)))
+                  for joint in self.group(name).joints}  # fmt: skip
+        return {j: Velocity(share * self._specs[j].max_velocity) for j, share in shares.items() if share}
 
     def wish(self, name: str, effort: float) -> Wishes:
         """What an effort (-1..1) asks of the group: the active joint at that share of its top speed (rad/s).

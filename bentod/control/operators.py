@@ -14,6 +14,10 @@ class Asked:
 
     efforts: Mapping[str, float]  # by group, -1..1; a group that is absent is not asked for anything
     toggles: Sequence[str] = ()  # groups, once for each toggle
+    toggles_back: Sequence[str] = ()  # the same, to the joint before
+    tense: Collection[str] = ()  # groups for which they are not at rest, be it that they ask for nothing
+    moves: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """Of groups that have no active joint for them: by joint, the share of its speed that effort 1 asks."""
 
 
 @dataclass(slots=True)
@@ -44,16 +48,20 @@ class Operators:
 
         `taken`: groups on whose active joint a client has a lease.
         """
-        toggles = {
-            name: [group for group in one.toggles if self._may_toggle(group, name, taken)]
+        allowed = {
+            name: [
+                [group for group in groups if self._may_toggle(group, name, taken)]
+                for groups in (one.toggles, one.toggles_back)
+            ]
             for name, one in asked.items()
         }
         for group, seat in self._seats.items():
             efforts = {name: one.efforts[group] for name, one in asked.items() if group in one.efforts}
-            seat.suspended -= {name for name, effort in efforts.items() if effort == 0}
+            resting = {name for name, effort in efforts.items() if effort == 0}
+            seat.suspended -= {name for name in resting if group not in asked[name].tense}
             numbers = {name: effort for name, effort in efforts.items() if not math.isnan(effort)}
             _decide(seat, numbers, group in taken, now)
-        return {name: Asked(self._efforts(name), toggles[name]) for name in asked}
+        return {name: Asked(self._efforts(name), on, back) for name, (on, back) in allowed.items()}
 
     def suspend(self, group: str) -> None:
         """Somebody changed what the group may do: all operators must be seen at rest before they drive it."""

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,9 @@ from bentod.frames import Samples
 
 WINDOW = 10
 """Samples in a window (thesis 5.5), 50 ms at 200 Hz."""
+
+Levels: TypeAlias = NDArray[np.float64]
+"""How loud a signal is at each sample (V before gain), NaN where nobody knows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,8 +29,9 @@ class Site:
     name: str
     channel: int
     gain: float  # above 0
-    threshold: float  # V after gain, effort 0 at and below
+    threshold: float  # V after gain, an effort begins above
     maximum: float  # V after gain, effort 1 at and above
+    release: float = 1.0  # share of the threshold where effort is 0, and below which it ends
 
     def __post_init__(self) -> None:
         if self.channel < 0:
@@ -41,16 +46,33 @@ class Site:
                 f"{self.threshold:g} V, and that at least 0 V.",
                 "maximum",
             )
+        if not 0 < self.release <= 1:
+            raise ConfigError(
+                f"Site {self.name!r}: the release is {self.release:g}; it must be above 0, up to 1.",
+                "release",
+            )
 
-    def effort(self, mav: float) -> float:
-        """Effort, 0..1, at a mean absolute value of `mav` (V before gain); 0 when that is not a number."""
-        share = (mav * self.gain - self.threshold) / (self.maximum - self.threshold)
-        return min(max(share, 0.0), 1.0) if not math.isnan(share) else 0.0
+    @property
+    def floor(self) -> float:
+        """V after gain below which an effort ends."""
+        return self.release * self.threshold
 
 
 def difference(positive: float, negative: float) -> float:
     """What a pair of sites asks of a group, -1..1, from the effort of each, 0..1 (thesis 5.5)."""
     return positive - negative
+
+
+class Loudness(Protocol):
+    """How loud each channel is at each sample, computed sample by sample in the order of the index."""
+
+    def step(self, samples: Samples | Levels) -> Levels:
+        """V at each of `samples` (V, shape (n, channels)), in the same shape."""
+        ...
+
+    def reset(self) -> None:
+        """Forget every sample, as at the start."""
+        ...
 
 
 class Envelope:
@@ -66,7 +88,7 @@ class Envelope:
         self._window = window
         self._carried: NDArray[np.float64] | None = None
 
-    def step(self, samples: Samples) -> NDArray[np.float64]:
+    def step(self, samples: Samples | Levels) -> Levels:
         """Mean absolute value (V) at each of `samples` (V, shape (n, channels)), in the same shape."""
         if self._carried is None:
             self._carried = np.full((self._window - 1, samples.shape[1]), np.nan)
@@ -89,28 +111,59 @@ class Envelope:
         self._carried = None
 
 
+class _Effort:
+    """The effort of one site, which begins above the threshold and ends below the release (hysteresis)."""
+
+    def __init__(self) -> None:
+        self._on = False
+
+    def step(self, site: Site, levels: Levels) -> Levels:
+        """Effort, 0..1, at each of `levels` (V, shape (n,)); where that is not a number it is over."""
+        volts = levels * site.gain
+        turns = np.where(volts > site.threshold, 1, np.where(volts >= site.floor, 0, -1))
+        newest = np.maximum.accumulate(np.where(turns, np.arange(1, len(turns) + 1), 0))
+        on = np.where(newest, turns[newest - 1] > 0, self._on)
+        if len(on):
+            self._on = bool(on[-1])
+        share = (volts - site.floor) / (site.maximum - site.floor)
+        return np.where(on, np.clip(share, 0.0, 1.0), 0.0)
+
+
 class Proportional:
-    """Efforts of several sites. `sites` may be replaced between two steps; the samples are kept."""
+    """Efforts of several sites. `sites` may be replaced between two steps; levels and efforts go on."""
 
-    def __init__(self, sites: Sequence[Site], window: int = WINDOW) -> None:
+    def __init__(self, sites: Sequence[Site]) -> None:
         self.sites = tuple(sites)
-        self._envelope = Envelope(window)
-        self._newest: NDArray[np.float64] | None = None
+        self._efforts: dict[str, _Effort] = {}
+        self._newest: Levels | None = None
 
-    def step(self, samples: Samples) -> dict[str, float]:
-        """Effort by site, 0..1, at the newest sample.
-
-        `samples`: all that came since the last step (V, shape (n, channels), every channel of a site
-        among them), n may be 0: then the efforts stand, unless a site was replaced.
-        """
-        levels = self._envelope.step(samples)
+    def step(self, levels: Levels) -> dict[str, Levels]:
+        """Effort by site, 0..1, at each of `levels`: all since the last step (V, shape (n, channels))."""
         if len(levels):
-            self._newest = levels[-1]
-        if self._newest is None:
+            self._newest = levels[-1:]
+        return {site.name: self._effort(site).step(site, levels[:, site.channel]) for site in self.sites}
+
+    def newest(self) -> dict[str, float]:
+        """Effort by site, 0..1, at the newest sample, by the sites as they are now; 0 before the first."""
+        level = self._newest
+        if level is None:
             return {site.name: 0.0 for site in self.sites}
-        return {site.name: site.effort(float(self._newest[site.channel])) for site in self.sites}
+        return {
+            site.name: float(self._effort(site).step(site, level[:, site.channel])[0]) for site in self.sites
+        }
+
+    def loudness(self) -> dict[str, float]:
+        """How loud each site is (V after gain) at the newest sample; NaN where nobody knows."""
+        level = self._newest
+        return {
+            site.name: float(level[0, site.channel]) * site.gain if level is not None else math.nan
+            for site in self.sites
+        }
+
+    def _effort(self, site: Site) -> _Effort:
+        return self._efforts.setdefault(site.name, _Effort())
 
     def reset(self) -> None:
         """Forget every sample, so that effort starts from 0."""
-        self._envelope.reset()
+        self._efforts.clear()
         self._newest = None

@@ -24,8 +24,8 @@ class Feed:
     """The newest samples of one source, and whether they can be believed.
 
     A source that stalls, or gives values that are not finite, is alive again by itself as soon as good
-    samples have come back. One that ends or raises is over: the sentence stays, and opening it again is
-    for whoever opened it, because an input that comes and goes must not move an arm unasked.
+    samples have come back. One that is lost is alive again when whoever opened it has opened it again, and
+    `openings` tells that it was. One that ends or raises is over, and its sentence stays.
     """
 
     def __init__(self, source: EmgSource, stall_s: float = 0.06, seconds: float = 2.0) -> None:
@@ -44,11 +44,18 @@ class Feed:
         """Samples that never arrived, since the source was opened."""
         self.heard: Callable[[EmgBlock], None] = lambda _: None
         """Told of every block with samples, before anybody judges it."""
+        self.came: Callable[[], None] = lambda: None
+        """Told that a block is in the ring."""
+        self.prompt: Callable[[str], None] = lambda _: None
+        """Where a simulated wearer hears what movement is asked for."""
+        self.openings = 1
+        """How often the source was opened; between two openings its electrodes may have been moved."""
         self._source = source
         self._stall_s = stall_s
         self._drift = Drift()
         self._arrived = -math.inf
         self._over = ""
+        self._lost = ""
         self._bad = ""
         self._bad_time = -math.inf
 
@@ -66,6 +73,16 @@ class Feed:
             self._over = f"The EMG source broke: {type(error).__name__}: {error}."
             _logger.exception("The EMG source broke")
 
+    def lost(self, why: str) -> None:
+        """The source is not there for now, for the reason that the sentence tells."""
+        self._lost = why
+
+    def back(self) -> None:
+        """The source was opened again, and its next block is the first since."""
+        self._lost = ""
+        self.openings += 1
+        self._drift = Drift()  # its clock has been set anew
+
     def _take(self, block: EmgBlock) -> None:
         if not len(block.samples):
             return
@@ -78,6 +95,7 @@ class Feed:
             row, channel = np.argwhere(~finite)[-1]
             self._bad = f"EMG sample {block.first_index + row} of channel {channel} is not a finite number."
             self._bad_time = self.ring.newest + self._drift.offset
+        self.came()
 
     def since(self, index: int) -> Samples:
         """Samples from `index` on (V, shape (n, channels)); see `Ring.since`."""
@@ -87,10 +105,10 @@ class Feed:
         """Seconds from the newest sample to `now`, by our clock; infinite when there has been none."""
         return now - self.ring.newest - self._drift.offset
 
-    def lifeless(self, channel: int, least: float) -> str:
+    def lifeless(self, channel: int, least: float, mean_free: bool = False) -> str:
         """Why a channel's newest samples are no muscle's; see `signs.lifeless`."""
         newest = self.ring.since(self.ring.next_index - signs.stretch(self.ring.rate_hz))
-        return signs.lifeless(newest, channel, least)
+        return signs.lifeless(newest, channel, least, mean_free)
 
     def problem(self, now: float) -> str:
         """Why the signals cannot be believed at `now` (monotonic s), as a sentence; empty when they can.
@@ -98,8 +116,8 @@ class Feed:
         Values that are not finite are held against the source for `stall_s`, so that one bad block
         among good ones does not make it flicker.
         """
-        if self._over:
-            return self._over
+        if self._over or self._lost:
+            return self._over or self._lost
         if self.ring.next_index == 0:
             return "No EMG sample has arrived yet."
         if self.age(now) < -self._stall_s:

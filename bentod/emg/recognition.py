@@ -4,9 +4,9 @@ Sample index is the clock of everything. Window k has the samples from k·step t
 blocks they came in and however late; so what is decided on-line is what is decided off-line, bit for bit.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +67,15 @@ class Classifier(Protocol):
         ...
 
 
+@runtime_checkable
+class Follows(Protocol):
+    """What a classifier offers besides that learns from what it is asked."""
+
+    def interrupt(self) -> None:
+        """Windows are missing: those before have nothing to do with those that come."""
+        ...
+
+
 class Train(Protocol):
     """How a classifier is trained."""
 
@@ -75,6 +84,29 @@ class Train(Protocol):
     ) -> Classifier:
         """From rows and their labels. Raises ConfigError: an option or too few classes or rows."""
         ...
+
+
+@dataclass(frozen=True, slots=True)
+class Fused:
+    """What a decision owes to a prediction (thesis 6.2)."""
+
+    weight: float  # β C of (6.6), 0..1; 0: the prediction counted nothing
+    likelihoods: Mapping[str, float]  # by label, the prediction included; they add up to 1
+    unaided: str  # the most probable label without it
+
+    @property
+    def likely(self) -> str:
+        """The most probable label with it."""
+        return max(self.likelihoods, key=self.likelihoods.__getitem__)
+
+    @property
+    def changed(self) -> bool:
+        """Whether the prediction made another movement the most probable."""
+        return self.likely not in (self.unaided, REST)
+
+
+Fuse: TypeAlias = Callable[[Sequence[str], Sequence[float]], Fused]
+"""Labels and the classifier's probabilities of a window, weighed with what is predicted of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,3 +120,4 @@ class Decision:
     likely: str  # the most probable label, rejected or not
     rejected: bool  # the classifier was not sure enough of it
     reason: str = ""  # why there is no decision, e.g. samples are missing; empty otherwise
+    fused: Fused | None = None  # None: nothing is predicted here; `likely` is then the classifier's own

@@ -28,12 +28,15 @@ def stretch(rate_hz: float) -> int:
     return max(FEWEST, math.ceil(STRETCH_S * rate_hz))
 
 
-def lifeless(samples: Samples, channel: int, least: float) -> str:
+def lifeless(samples: Samples, channel: int, least: float, mean_free: bool = False) -> str:
     """Why the newest samples (V, shape (n, channels)) of a channel are no muscle's; empty when they may be.
 
     What is not louder than `least` (V, mean magnitude) asks for nothing, and may be as still as it likes.
+    `mean_free`: an offset is filtered out before anybody looks at the signal, and so is no sign.
     """
     volts = samples[:, channel].astype(np.float64)
+    if mean_free and len(volts):
+        volts -= volts.mean()
     if len(volts) < FEWEST or not np.mean(np.abs(volts)) > least:
         return ""
     low, high = float(volts.min()), float(volts.max())

@@ -17,6 +17,7 @@ class Ring:
 
     def __init__(self, rate_hz: float, channels: int, seconds: float = 2.0) -> None:
         self.rate_hz = rate_hz
+        self.channels = channels
         self.capacity = math.ceil(rate_hz * seconds)
         self.next_index = 0
         """Index after the newest sample."""

@@ -40,6 +40,7 @@ class Body:
     sites: Sequence[str]  # of muscle signals
     groups: Mapping[str, Sequence[str]]  # names of joints, by group
     rate_hz: float
+    classes: Sequence[str] = ()  # of recognised contractions
 
 
 def position_at(joint: str, timescale: float) -> str:
@@ -53,7 +54,7 @@ class Predictor:
     def __init__(self, body: Body, learn: Learn) -> None:
         """Raises ConfigError: a question is not one."""
         self._body = body
-        signals = Signals(body.specs, body.sites, body.groups)
+        signals = Signals(body.specs, body.sites, body.groups, body.classes)
         self._signals = Advised(signals, [open_adviser(table, signals) for table in learn.advisers])
         self._means = Means(
             Vocabulary(self._signals, learn.define),

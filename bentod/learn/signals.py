@@ -70,6 +70,7 @@ class Signals:
     | `<joint>.load` | share of the greatest torque | -1..1 |
     | `<joint>.voltage`, `<joint>.temperature` | V, degrees Celsius | – |
     | `emg.<site>` | effort | 0..1 |
+    | `emg.likely.<class>` | how likely the muscles make this movement, by themselves | 0..1 |
     | `<group>.effort` | share of the active joint's speed | -1..1 |
     | `<group>.active.<joint>` | 1 while that joint is the active one | 0..1 |
     | `<group>.toggled` | 1 in a tick in which another joint, or all, came to be selected | 0..1 |
@@ -80,13 +81,20 @@ class Signals:
     """
 
     def __init__(
-        self, specs: Sequence[JointSpec], sites: Sequence[str] = (), groups: Mapping[str, Sequence[str]] = {}
+        self,
+        specs: Sequence[JointSpec],
+        sites: Sequence[str] = (),
+        groups: Mapping[str, Sequence[str]] = {},
+        classes: Sequence[str] = (),
     ) -> None:
+        """`classes`: of recognised contractions."""
         self._sites = tuple(sites)
+        self._classes = tuple(classes)
         self._groups = {name: tuple(joints) for name, joints in groups.items()}
         ranges: dict[str, Range] = {}
         named = [_joint_ranges(spec) for spec in specs]
         named.append({f"emg.{site}": (0.0, 1.0) for site in self._sites})
+        named.append({class_signal(label): (0.0, 1.0) for label in self._classes})
         for part in (*named, *(_group_ranges(*group) for group in self._groups.items())):
             for name, bounds in part.items():
                 if name in ranges:
@@ -109,6 +117,9 @@ class Signals:
             values += _joint_values(joint)
         effort = percept.emg.effort if percept.emg.alive else {}
         values += [effort.get(site, math.nan) for site in self._sites]
+        recognised = _recognised(percept.emg) if self._classes else {}
+        unknown = 0.0 if recognised else math.nan  # a class that the model does not tell is never made
+        values += [recognised.get(label, unknown) for label in self._classes]
         told = {group.name: group for group in percept.groups}
         for name in self._groups:
             values += self._group_values(name, told.get(name), percept.rewards.get(name, 0.0))
@@ -147,6 +158,19 @@ class Signals:
         self._active[name] = selected
         active = [float(joint == told.active) for joint in joints]
         return [told.effort, *active, float(toggled), float(told.together), reward]
+
+
+def class_signal(label: str) -> str:
+    """The name of the signal that tells how likely a class is."""
+    return f"emg.likely.{label}"
+
+
+def _recognised(emg: EmgFrame) -> Mapping[str, float]:
+    """What the classifier alone says of each class; nothing where the wearer does not use it freely."""
+    told = emg.recognition
+    if told is None or emg.paused or not emg.alive or told.reason or told.prompted:
+        return {}
+    return told.probabilities
 
 
 def starred(text: str, names: Collection[str]) -> tuple[str, ...]:

@@ -24,6 +24,7 @@ from bentod.frames import (
     Trial,
     Velocity,
 )
+from bentod.recognition_frame import RecognitionFrame
 from bentod.record.field import Field, Kind, Message
 from bentod.record.session import SCHEMA, Counts, Gap, Mark, Report, Tally
 
@@ -92,6 +93,24 @@ TABLE = (
             Field(6, "dropped", I),
             Field(7, "effort", Kind.NUMBERS),
             Field(8, "toggles", I),
+            Field(9, "recognition", Kind.MAYBE, "RecognitionFrame"),
+        ),
+    ),
+    Message(
+        "RecognitionFrame",
+        (RecognitionFrame,),
+        (
+            Field(1, "index", I),
+            Field(2, "label", T),
+            Field(3, "speed", D),
+            Field(4, "probabilities", Kind.NUMBERS),
+            Field(5, "likely", T),
+            Field(6, "rejected", B),
+            Field(7, "reason", T),
+            Field(8, "model", T),
+            Field(9, "prompted", T),
+            Field(10, "weight", D),
+            Field(11, "unaided", T),
         ),
     ),
     Message(

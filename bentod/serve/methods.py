@@ -8,6 +8,7 @@ from bentod.errors import BentodError
 from bentod.frames import Value
 from bentod.messages import Packed, pack
 from bentod.serve.arm_methods import ArmMethods
+from bentod.serve.emg_methods import EmgMethods
 from bentod.serve.learning_methods import LearningMethods
 from bentod.serve.peers import Role
 from bentod.serve.room import Room
@@ -20,10 +21,11 @@ from bentod.serve.tuning_methods import TuningMethods
 def arm_methods(room: Room) -> dict[str, Method]:
     """Every method, by name. What an observer may call moves nothing; `stop` only ends motion."""
     arm, tuning, sitting = ArmMethods(room), TuningMethods(room), SessionMethods(room)
-    learning = LearningMethods(room)
+    learning, emg = LearningMethods(room), EmgMethods(room)
     methods: dict[str, Method] = {}
-    looking = (_lister(methods), *_looking(arm, tuning, sitting), learning.gvf_list)
-    methods |= table(observer=looking, operator=(*_moving(arm, tuning, sitting), *_teaching(learning)))
+    looking = (_lister(methods), *_looking(arm, tuning, sitting), learning.gvf_list, emg.emg_classes)
+    moving = (*_moving(arm, tuning, sitting), *_teaching(learning), *_recognising(emg))
+    methods |= table(observer=looking, operator=moving)
     return {name: _told(entry, room) for name, entry in methods.items()}
 
 
@@ -50,6 +52,7 @@ def _looking(arm: ArmMethods, tuning: TuningMethods, sitting: SessionMethods) ->
         arm.stop,
         tuning.group_list,
         tuning.emg_get,
+        tuning.emg_levels,
         tuning.assist_get,
         sitting.get_recording,
     )
@@ -79,6 +82,13 @@ def _moving(arm: ArmMethods, tuning: TuningMethods, sitting: SessionMethods) -> 
 
 def _teaching(learning: LearningMethods) -> tuple[Handler, ...]:
     return (learning.gvf_add, learning.gvf_remove, learning.gvf_reset)
+
+
+def _recognising(emg: EmgMethods) -> tuple[Handler, ...]:
+    return (
+        *(emg.emg_collect, emg.emg_train, emg.emg_use),
+        *(emg.emg_reset, emg.emg_retrain, emg.emg_prompt),
+    )
 
 
 def _told(method: Method, room: Room) -> Method:

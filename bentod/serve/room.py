@@ -6,6 +6,7 @@ from typing import Annotated
 
 from bentod.contracts import FaultInjector
 from bentod.control.groups import Group
+from bentod.emg.live.lessons import Lessons
 from bentod.errors import BadRequest, nearest
 from bentod.frames import Frame, JointSpec, Value
 from bentod.inbox import Inbox
@@ -44,6 +45,8 @@ class Room:
         """The frame of the last tick; the daemon keeps it up to date."""
         self.recording: Callable[[], Value] | None = None
         """How the recording goes, if there is one."""
+        self.lessons: Lessons | None = None
+        """Where models of muscle signals are trained and kept, if they are recognised."""
         self.commanded: Callable[[str, str, Value, str], None] = lambda *_: None
         """Told of everything that a client asks of the arm: client, method, parameters, error."""
         self.sessions: Callable[[], Sequence[Session]] = tuple

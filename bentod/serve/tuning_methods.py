@@ -56,8 +56,12 @@ class TuningMethods:
         return self._room.active(answer.result)
 
     async def emg_get(self, session: Session) -> Value:
-        """The EMG sites with gain, threshold and max, the pairs, and whether EMG is paused."""
+        """The EMG sites and their parameters, what drives which group, and whether EMG is paused."""
         return (await self._room.inbox.ask(lambda desk: desk.muscles.describe())).result
+
+    async def emg_levels(self, session: Session) -> Value:
+        """How loud each site is now (V after gain), and why leads are taken to be off."""
+        return (await self._room.inbox.ask(lambda desk: desk.muscles.levels())).result
 
     async def emg_set(
         self,
@@ -66,9 +70,14 @@ class TuningMethods:
         gain: Annotated[float | None, Number("", 1e-6, 1e6, "amplification")] = None,
         threshold_v: Annotated[float | None, Number("V", 0, 10, "effort is 0 up to here")] = None,
         max_v: Annotated[float | None, Number("V", 1e-9, 10, "effort is 1 from here on")] = None,
+        release: Annotated[
+            float | None, Number("", 0.1, 1, "share of the threshold below which it ends")
+        ] = None,
     ) -> Value:
         """Change a site's parameters from the next tick on; what is left out stays."""
-        await self._room.inbox.ask(lambda desk: desk.muscles.change_site(site, gain, threshold_v, max_v))
+        await self._room.inbox.ask(
+            lambda desk: desk.muscles.change_site(site, gain, threshold_v, max_v, release)
+        )
         return None
 
     async def emg_pause(

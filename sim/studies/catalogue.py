@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from sim.studies import boosting, cliffs, study_maze, study_waypoints
+from sim.studies import boosting, cliffs, study_maze, study_patterns, study_waypoints
 from sim.studies.study import Study
 
 STUDIES: Mapping[str, Study] = {
@@ -10,4 +10,5 @@ STUDIES: Mapping[str, Study] = {
     "boosting": boosting.STUDY,
     "waypoints": study_waypoints.STUDY,
     "maze": study_maze.STUDY,
+    "patterns": study_patterns.STUDY,
 }

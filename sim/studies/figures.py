@@ -62,6 +62,8 @@ def _plot(panel: Axes, plot: Plot) -> None:
     panel.set_title(plot.title, color=INK)
     panel.set_xlabel(plot.x_axis)
     panel.set_ylabel(plot.y_axis)
+    if plot.ticks:
+        panel.set_xticks(range(len(plot.ticks)), plot.ticks)
     if plot.equal:
         panel.set_aspect("equal", adjustable="datalim")
     if any(line.label for line in plot.lines):

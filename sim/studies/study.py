@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 from bentod.contracts import Vector
@@ -94,6 +95,7 @@ class Plot:
     lines: tuple[Line, ...]
     x_axis: str = ""
     y_axis: str = ""
+    ticks: tuple[str, ...] = ()  # names of x = 0, 1, … instead of numbers
     equal: bool = False  # whether both axes have the same scale
 
 
@@ -157,6 +159,25 @@ class People:
 
 
 @dataclass(frozen=True, slots=True)
+class Trials:
+    """What a study of signals is tried on, and how often; None or empty: as usual."""
+
+    people: int | None = None  # simulated
+    splits: int | None = None  # into training and test data, at random
+    sweep: bool = False  # all parameters of all features
+    recordings: tuple[Path, ...] = ()
+    jobs: int = 1  # processes; the findings are the same for any number of them
+
+    @property
+    def words(self) -> str:
+        """The options of a command that ask for them."""
+        numbers = (("operators", self.people), ("splits", self.splits))
+        told = [f" --{name} {value}" for name, value in numbers if value]
+        files = [f" --recording {path}" for path in self.recordings]
+        return "".join([*told, " --sweep" if self.sweep else "", *files])
+
+
+@dataclass(frozen=True, slots=True)
 class Study:
     """An experiment that can be run again: equal seeds, and minutes or people, give equal findings."""
 
@@ -167,3 +188,5 @@ class Study:
     least_minutes: float
     people: Callable[[int, People], Findings] | None = None
     """Of a seed, if operators take part: then the number of minutes comes of what they do."""
+    trials: Callable[[int, Trials], Findings] | None = None
+    """Of a seed, if signals are told apart: then minutes mean nothing."""

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from bentod import registry
-from bentod.calibration.config_edit import edited, rewrite
+from bentod.calibration.config_edit import edited, edited_sites, rewrite
 from bentod.errors import ConfigError
 
 BENTO = (Path(__file__).parents[2] / "config" / "bento.toml").read_text(encoding="utf-8")
@@ -64,3 +64,34 @@ def test_a_value_that_the_driver_refuses_is_not_written(tmp_path: Path) -> None:
 def test_a_file_that_cannot_be_read_is_an_error_of_the_config(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="cannot be changed"):
         rewrite(tmp_path / "none.toml", "gripper", {"dead_time_s": 0.02}, registry)
+
+
+SIM = (Path(__file__).parents[2] / "config" / "sim.toml").read_text(encoding="utf-8")
+
+
+def test_settings_of_sites_change_their_lines_alone_and_comments_stay() -> None:
+    sites = {"flexor": {"threshold_v": 4.3e-6, "max_v": 6.5e-5, "gain": 1.0}, "extensor": {"max_v": 30e-6}}
+    first, second = changed_lines(SIM, edited_sites(SIM, sites))
+    assert first.startswith("threshold_v = 4.3e-06 ")
+    assert first.endswith("# effort is 0 up to here ...")
+    assert second.startswith("max_v = 6.5e-05 ")
+    assert second.endswith("# ... and 1 from here on")
+
+
+def test_sites_in_one_line_each_with_the_names_of_brachioplexus_are_edited_as_well() -> None:
+    text = '[emg]\nsites = [\n  { name = "a", smin_v = 1e-5, max_v = 3e-5 },  # first\n]\n'
+    after = edited_sites(text, {"a": {"threshold_v": 2e-5, "gain": 2.0}})
+    assert after.splitlines()[2] == '  { name = "a", smin_v = 2e-05, max_v = 3e-5, gain = 2.0 },  # first'
+
+
+def test_sites_that_stand_apart_from_their_table_are_found() -> None:
+    text = "[emg]\nwindow = 10\n[learn]\n[[emg.sites]]\nname = 'a'\nmax_v = 3e-5  # V\n"
+    assert edited_sites(text, {"a": {"max_v": 2e-5}}) == text.replace("3e-5", "2e-05")
+
+
+@pytest.mark.parametrize(
+    "text", ["", "emg = 3", "[emg]\nsites = 3", "[emg]\nsites = 'a'", "[[emg.sites]]\nname = 'b'"]
+)
+def test_a_config_without_the_site_is_refused(text: str) -> None:
+    with pytest.raises(ConfigError, match=r"there is no \[\[emg\.sites\]\] table of the name 'a'"):
+        edited_sites(text, {"a": {"gain": 2.0}})

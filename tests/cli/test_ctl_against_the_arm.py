@@ -201,6 +201,7 @@ def test_emg_is_shown_tuned_and_paused(arm: BlockingClient, ask: Ctl) -> None:
         "gain": 2.0,
         "threshold_v": 1e-5,
         "max_v": 5e-5,
+        "release": 1.0,
     }
     done(ask("emg-pause", "off"))
     assert not table(state(arm)["emg"])["paused"]

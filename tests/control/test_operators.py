@@ -102,8 +102,8 @@ def test_toggles_count_for_the_driver_and_for_a_free_group(two: Two) -> None:
 def test_toggles_of_who_is_suspended_do_not_count(two: Two) -> None:
     two.tick(emg=0.4)
     two.tick(emg=0.4, client="ann")
-    asked = {EMG: Asked({"arm": 0.4}, ["arm"])}
-    assert two.operators.decide(asked, {}, two.now)[EMG] == Asked({}, [])
+    asked = {EMG: Asked({"arm": 0.4}, ["arm"], ["arm"])}
+    assert two.operators.decide(asked, {}, two.now)[EMG] == Asked({}, [], [])
 
 
 def test_after_somebody_stronger_switched_the_joint_everybody_rests_first(two: Two) -> None:
@@ -129,7 +129,10 @@ def test_what_is_no_number_asks_for_nothing(two: Two) -> None:
 def test_groups_are_driven_apart() -> None:
     operators = Operators(["arm", "hand"], [EMG, STICK])
     asked = {EMG: Asked({"arm": 0.4}), STICK: Asked({"hand": 0.5})}
-    assert operators.decide(asked, {}, 1.0) == {EMG: Asked({"arm": 0.4}, []), STICK: Asked({"hand": 0.5}, [])}
+    assert operators.decide(asked, {}, 1.0) == {
+        EMG: Asked({"arm": 0.4}, [], []),
+        STICK: Asked({"hand": 0.5}, [], []),
+    }
 
 
 EFFORTS = st.sampled_from([0.0, 0.0, 0.5, -1.0])
@@ -149,3 +152,19 @@ def test_never_do_two_drive_and_nobody_drives_who_lost_the_group_without_a_rest(
             assert effort in (0.0, asked[name])
             assert not effort or drove[name]
             drove[name] = asked[name] == 0 or effort != 0
+
+
+def test_who_is_contracted_but_asks_for_nothing_is_not_at_rest(two: Two) -> None:
+    two.operators.suspend_all()
+    squeezed = {EMG: Asked({"arm": 0.0}, ["arm"], tense=["arm"])}
+    assert two.operators.decide(squeezed, {}, 20.0)[EMG] == Asked({}, [], [])
+    assert two.operators.decide(squeezed, {}, 20.1)[EMG] == Asked({}, [], [])
+    assert two.tick(emg=0.4) == (0.0, 0.0)
+    two.tick()
+    assert two.operators.decide(squeezed, {}, two.now)[EMG].toggles == ["arm"]
+
+
+def test_toggles_back_count_like_those_that_go_on(two: Two) -> None:
+    asked = {EMG: Asked({"arm": 0.0}, [], ["arm"]), STICK: Asked({"arm": 0.4})}
+    assert two.operators.decide(asked, {}, 20.0)[EMG].toggles_back == ["arm"]
+    assert two.operators.decide(asked, {}, 20.1)[EMG].toggles_back == []

@@ -1,3 +1,4 @@
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -5,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bentod.control.switching import ToggleSite, Toggling
+from bentod.control.proportional import Envelope
+from bentod.control.switching import BACKWARD, FORWARD, ToggleSite, Toggling
 from bentod.errors import ConfigError
 from bentod.frames import Samples
 
@@ -21,10 +23,31 @@ def muscle(*stretches: tuple[float, int], seed: int = 1) -> Samples:
     return (volts * random.normal(0, np.sqrt(np.pi / 2), len(volts))).astype(np.float32)[:, np.newaxis]
 
 
+class Switches:
+    """Samples in, toggles out."""
+
+    def __init__(self, *sites: ToggleSite) -> None:
+        self.toggling = Toggling(sites)
+        self._envelope = Envelope()
+
+    def step(self, samples: Samples) -> dict[str, list[int]]:
+        return self.toggling.step(self._envelope.step(samples))
+
+    def reset(self) -> None:
+        self.toggling.reset()
+        self._envelope.reset()
+
+
+def steps(pieces: Iterable[Samples], site: ToggleSite) -> list[int]:
+    """Every toggle in order."""
+    switches = Switches(site)
+    return [step for piece in pieces for step in switches.step(piece)[site.name]]
+
+
 def toggles(samples: Samples, size: int = 7, site: ToggleSite = FLEXOR) -> int:
-    toggling = Toggling([site])
-    pieces = [samples[start : start + size] for start in range(0, len(samples), size)]
-    return sum(toggling.step(piece)[site.name] for piece in pieces)
+    found = steps((samples[start : start + size] for start in range(0, len(samples), size)), site)
+    assert set(found) <= {FORWARD}
+    return len(found)
 
 
 def test_a_short_contraction_toggles_once() -> None:
@@ -51,9 +74,8 @@ def test_ten_minutes_of_noise_below_the_threshold_toggle_nothing() -> None:
 @given(cuts=st.lists(st.integers(0, 10_000), max_size=60), seed=st.integers(0, 100))
 def test_toggles_are_the_same_at_any_tick_rate(cuts: list[int], seed: int) -> None:
     samples = muscle(*[REST, PULSE] * 3, (20e-6, 200), REST, seed=seed)
-    toggling = Toggling([FLEXOR])
     pieces = np.split(samples, sorted(place % len(samples) for place in cuts))
-    assert sum(toggling.step(piece)["flexor"] for piece in pieces) == toggles(samples, size=len(samples))
+    assert len(steps(pieces, FLEXOR)) == toggles(samples, size=len(samples))
 
 
 def test_a_second_rise_belongs_to_the_same_contraction_until_the_muscle_was_quiet() -> None:
@@ -70,11 +92,11 @@ def test_a_muscle_that_was_tense_from_the_start_must_rest_first() -> None:
 
 
 def test_after_a_reset_a_muscle_must_rest_first() -> None:
-    toggling = Toggling([FLEXOR])
-    assert toggling.step(muscle(REST, PULSE)) == {"flexor": 1}
-    toggling.reset()
-    assert toggling.step(muscle((55e-6, 200))) == {"flexor": 0}
-    assert toggling.step(muscle(REST, PULSE)) == {"flexor": 1}
+    switches = Switches(FLEXOR)
+    assert switches.step(muscle(REST, PULSE)) == {"flexor": [FORWARD]}
+    switches.reset()
+    assert switches.step(muscle((55e-6, 200))) == {"flexor": []}
+    assert switches.step(muscle(REST, PULSE)) == {"flexor": [FORWARD]}
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
@@ -85,10 +107,10 @@ def test_lost_samples_neither_toggle_nor_end_a_contraction(bad: float) -> None:
 
 
 def test_the_threshold_changes_between_two_ticks() -> None:
-    toggling = Toggling([FLEXOR])
-    assert toggling.step(muscle(REST, (14e-6, 20))) == {"flexor": 0}
-    toggling.sites = (ToggleSite("flexor", 0, 1.0, 5e-6),)
-    assert toggling.step(muscle((14e-6, 20))) == {"flexor": 1}
+    switches = Switches(FLEXOR)
+    assert switches.step(muscle(REST, (14e-6, 20))) == {"flexor": []}
+    switches.toggling.sites = (ToggleSite("flexor", 0, 1.0, 5e-6),)
+    assert switches.step(muscle((14e-6, 20))) == {"flexor": [FORWARD]}
 
 
 def test_gain_amplifies_the_site() -> None:
@@ -98,9 +120,56 @@ def test_gain_amplifies_the_site() -> None:
 def test_sites_toggle_for_themselves() -> None:
     other = ToggleSite("extensor", 1, 1.0, 20e-6)
     samples = np.hstack([muscle(REST, PULSE, REST), muscle(REST, REST, PULSE)])
-    toggling = Toggling([FLEXOR, other])
-    assert toggling.step(samples[:150]) == {"flexor": 1, "extensor": 0}
-    assert toggling.step(samples[150:]) == {"flexor": 0, "extensor": 1}
+    switches = Switches(FLEXOR, other)
+    assert switches.step(samples[:150]) == {"flexor": [FORWARD], "extensor": []}
+    assert switches.step(samples[150:]) == {"flexor": [], "extensor": [FORWARD]}
+
+
+BOTH_WAYS = ToggleSite("flexor", 0, 1.0, 20e-6, long=120, ended=20)
+LONG = (55e-6, 160)
+
+
+def test_a_short_contraction_goes_on_and_a_long_one_back_if_the_site_does_both() -> None:
+    assert steps([muscle(REST, PULSE, REST, LONG, REST, PULSE, REST)], BOTH_WAYS) == [
+        FORWARD,
+        BACKWARD,
+        FORWARD,
+    ]
+
+
+def test_a_long_contraction_toggles_while_it_is_held_and_a_short_one_when_it_is_over() -> None:
+    switches = Switches(BOTH_WAYS)
+    assert switches.step(muscle(REST, (55e-6, 110))) == {"flexor": []}
+    assert switches.toggling.undecided
+    assert switches.step(muscle((55e-6, 20))) == {"flexor": [BACKWARD]}
+    assert switches.step(muscle((55e-6, 400), REST, PULSE)) == {"flexor": []}
+    assert switches.step(muscle(REST)) == {"flexor": [FORWARD]}
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_long_contraction_is_not_short_because_its_signal_scatters(seed: int) -> None:
+    assert steps([muscle(REST, (30e-6, 160), REST, seed=seed)], BOTH_WAYS) == [BACKWARD]
+
+
+def test_a_contraction_of_which_samples_are_lost_is_neither_short_nor_long() -> None:
+    lost = np.full((40, 1), np.nan, np.float32)
+    samples = [muscle(REST, PULSE), lost, muscle(REST, REST)]
+    assert steps(samples, BOTH_WAYS) == []
+    assert steps([*samples, muscle(PULSE, REST)], BOTH_WAYS) == [FORWARD]
+
+
+def test_what_is_undecided_at_a_reset_is_forgotten() -> None:
+    switches = Switches(BOTH_WAYS)
+    switches.step(muscle(REST, PULSE))
+    switches.reset()
+    assert switches.step(muscle(REST, REST)) == {"flexor": []}
+
+
+@given(cuts=st.lists(st.integers(0, 10_000), max_size=60), seed=st.integers(0, 100))
+def test_short_and_long_are_the_same_at_any_tick_rate(cuts: list[int], seed: int) -> None:
+    samples = muscle(REST, PULSE, REST, LONG, REST, (22e-6, 300), REST, seed=seed)
+    pieces = np.split(samples, sorted(place % len(samples) for place in cuts))
+    assert steps(pieces, BOTH_WAYS) == steps([samples], BOTH_WAYS)
 
 
 @pytest.mark.parametrize(

@@ -53,3 +53,12 @@ def test_a_living_contraction_is_never_taken_for_dead(rate_hz: float, clipped_v:
     size = stretch(rate_hz)
     for start in range(0, len(samples) - size, 7):
         assert lifeless(samples[start : start + size], 0, LEAST) == ""
+
+
+def test_an_offset_that_is_filtered_out_is_no_sign_and_hides_none() -> None:
+    wearer = Wearer(Options(program=(CIRCUIT[1],), lag_s=0.0), 200.0, 3)
+    offset = wearer.read(0, 10) + np.float32(0.3)
+    assert "stuck" in lifeless(offset, 0, LEAST)
+    assert lifeless(offset, 0, LEAST, mean_free=True) == ""
+    assert lifeless(signal(*[0.3] * 10), 0, LEAST, mean_free=True) == ""
+    assert "stuck" in lifeless(signal(*[0.3] * 7, 0.4, 0.4, 0.4), 0, LEAST, mean_free=True)

@@ -51,9 +51,11 @@ def test_an_observer_can_look_and_ask_to_stop_and_nothing_else() -> None:
         "stop",
         "group_list",
         "emg_get",
+        "emg_levels",
         "assist_get",
         "get_recording",
         "gvf_list",
+        "emg_classes",
     }
 
 

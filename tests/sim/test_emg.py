@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bentod.contracts import EmgConfig
-from bentod.control.proportional import Proportional, Site, difference
+from bentod.control.proportional import Envelope, Proportional, Site, difference
 from bentod.control.switching import ToggleSite, Toggling
 from bentod.errors import ConfigError
 from bentod.frames import EmgBlock, Samples, Value
@@ -31,12 +31,13 @@ def mav(samples: Samples, channel: int, start_s: float, end_s: float) -> float:
 
 def walk(samples: Samples) -> tuple[np.typing.NDArray[np.float64], int]:
     """Way of two joints (s at full effort, one row a tick) and toggles, for a tick each 7 samples."""
-    proportional, toggling = Proportional(MUSCLES), Toggling(SWITCH)
+    envelope, proportional, toggling = Envelope(), Proportional(MUSCLES), Toggling(SWITCH)
     way, toggles = np.zeros((len(samples) // 7 + 1, 2)), 0
     for tick in range(1, len(way)):
-        piece = samples[7 * (tick - 1) : 7 * tick]
-        efforts = proportional.step(piece)
-        toggles += toggling.step(piece)["toggle"]
+        levels = envelope.step(samples[7 * (tick - 1) : 7 * tick])
+        proportional.step(levels)
+        efforts = proportional.newest()
+        toggles += sum(toggling.step(levels)["toggle"])
         way[tick] = way[tick - 1]
         way[tick, toggles % 2] += difference(efforts["positive"], efforts["negative"]) * 7 / 200
     return way, toggles

@@ -59,7 +59,15 @@ def test_a_shipped_config_has_no_mistakes_and_explains_itself(name: str) -> None
 
 
 def test_the_configs_that_readers_are_told_of_are_shipped() -> None:
-    assert SHIPPED == ["bento.toml", "myo.toml", "nexting.toml", "sim.toml", "wrist.toml"]
+    assert SHIPPED == [
+        "bento.toml",
+        "clinic.toml",
+        "myo.toml",
+        "nexting.toml",
+        "patterns.toml",
+        "sim.toml",
+        "wrist.toml",
+    ]
 
 
 @pytest.mark.usefixtures("plugged")

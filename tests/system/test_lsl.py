@@ -1,11 +1,9 @@
 """`bentod lsl` as a process: what others on the network record is what a client of the socket gets."""
 
-import importlib
 import json
 import os
 import signal
 import time
-import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,26 +20,6 @@ pytestmark = [pytest.mark.real_time, pytest.mark.timeout(180)]
 
 SIM = ("--config", "sim.toml")
 ARM = "Bento Arm (simulated)"
-
-
-@pytest.fixture(scope="module")
-def pylsl(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
-    """The library, in a session of its own on this machine, if streams can be found here at all."""
-    settings = tmp_path_factory.mktemp("lsl") / "lsl_api.cfg"
-    settings.write_text(
-        f"[lab]\nSessionID = bentod-{uuid.uuid4()}\n[multicast]\nResolveScope = machine\n[log]\nlevel = -2\n"
-    )
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("LSLAPICFG", str(settings))  # for the processes that are started here, too
-        try:
-            library = importlib.import_module("pylsl")
-        except (ImportError, RuntimeError) as error:
-            pytest.skip(f"pylsl cannot be loaded: {error}")
-        probe = library.StreamOutlet(library.StreamInfo("probe", "Markers", 1, 0, "string", "probe"))
-        if not library.resolve_byprop("source_id", "probe", 1, 5.0):
-            pytest.skip("LSL finds no streams on this machine: it lets no multicast through")
-        del probe
-        yield library
 
 
 class Inlet:

@@ -1,0 +1,1 @@
+"""Classifiers of windows of muscle signals: training, files of what was trained, and decisions."""

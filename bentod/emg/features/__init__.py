@@ -1,0 +1,1 @@
+"""Features of windows: what a classifier sees of a muscle signal."""
