@@ -102,6 +102,8 @@ class ArmState:
         self.clients.expire(now)
         self.goals.advance(state.joints, now)
         self.muscles.interventions = self.interventions
+        if self.muscles.recognition:
+            self.muscles.recognition.heeded = self._heeds_classes()
 
     @property
     def recognition(self) -> Recogniser:
@@ -180,6 +182,16 @@ class ArmState:
             return True
         joints = group.joints if group.name in self.muscles.recognised else ()
         return any(self.clients.holder(joint) for joint in joints)
+
+    def _heeds_classes(self) -> bool:
+        """Whether the wearer sees what classes ask for: who does not cannot correct it by letting go."""
+        moved = [group for group in self.groups if group.name in self.muscles.recognised]
+        return all(
+            not self._taken(group)
+            and self._operators.driver(group.name) in ("", "emg")
+            and all(self.modes.of(joint) is Mode.ACTIVE for joint in group.joints)
+            for group in moved
+        )
 
     def _without_synergies_together(self, asked: Asked) -> Asked:
         """A class that moves joints of its own must not push all joints where they are selected at once."""

@@ -26,7 +26,7 @@ def lessons(config: Config, muscles: Muscles, name: str) -> Lessons | None:
         return None
     table = emg.recognition
     found = Lessons(_folder(table, name, os.environ), table, emg.filters)
-    if found.folder is None or not found.model(table.model).exists():
+    if found.folder is None or not found.has(table.model):
         _log.info("%s", recogniser.problem)
         return found
     try:

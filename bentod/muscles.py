@@ -12,9 +12,11 @@ from bentod.control.proportional import Envelope, Levels, Loudness, Proportional
 from bentod.control.rest import RestFirst
 from bentod.control.schemes import schemes_of
 from bentod.control.switching import BACKWARD, FORWARD
+from bentod.emg.classify.model import Model
 from bentod.emg.contact import Wired
 from bentod.emg.electrodes import Electrodes
 from bentod.emg.feed import Feed
+from bentod.emg.live.leads import unwatched
 from bentod.emg.live.recogniser import Recogniser
 from bentod.errors import BadRequest, ConfigError, nearest
 from bentod.frames import EmgFrame, Samples, Value
@@ -76,6 +78,8 @@ class Muscles:
         self._rest = RestFirst(rate_hz)
         self._next = 0
         self._toggles = 0
+        self._unwatched: Sequence[Wired] = ()
+        self._watched_for: Model | None = None
         self._watch_leads()
 
     def look(self, now: float) -> Look:
@@ -89,6 +93,9 @@ class Muscles:
             return Look(
                 {}, (), EmgFrame(False, self.paused, "The config has no [emg] table.", 0, 0.0, 0, {}, 0)
             )
+        if self.recognition and self.recognition.model is not self._watched_for:
+            self._watched_for = self.recognition.model
+            self._watch_leads()
         problem = feed.problem(now) or self._lifeless(feed)
         self._rest.watch(now, problem, feed.openings)
         heard = self._hear(feed, problem)
@@ -124,7 +131,9 @@ class Muscles:
         frame = replace(look.frame, recognition=wanted.frame)
         if self.recognition.collection:
             return Look({}, (), frame)
-        return replace(look, efforts={**look.efforts, **wanted.efforts}, moves=wanted.moves, frame=frame)
+        tense = {*look.tense, *wanted.tense}
+        efforts = {**look.efforts, **wanted.efforts}
+        return replace(look, efforts=efforts, moves=wanted.moves, frame=frame, tense=tense)
 
     def _hear(self, feed: Feed, problem: str) -> Heard:
         """Every sample since the last look; none, and all before forgotten, if there is a problem."""
@@ -155,13 +164,15 @@ class Muscles:
         return [site for site in self._proportional.sites if site.name not in off] or self._proportional.sites
 
     def _watch_leads(self) -> None:
+        sites = [
+            Wired(s.name, s.channel, s.threshold / s.gain, s.maximum / s.gain)
+            for s in self._proportional.sites
+        ]
+        if self.recognition:
+            known = [site.channel for site in sites]
+            self._unwatched = unwatched(self.recognition.model, self.recognition.channels, known)
         if self._electrodes:
-            self._electrodes.watch(
-                [
-                    Wired(s.name, s.channel, s.threshold / s.gain, s.maximum / s.gain)
-                    for s in self._proportional.sites
-                ]
-            )
+            self._electrodes.watch([*sites, *self._unwatched])
 
     def _forget(self) -> None:
         for scheme in self._schemes:
@@ -231,7 +242,9 @@ class Muscles:
     def _lifeless(self, feed: Feed) -> str:
         """Why a site that is above its threshold is no muscle's; empty when all may be."""
         free = self._electrodes is not None and self._electrodes.mean_free
-        reasons = (feed.lifeless(s.channel, s.threshold / s.gain, free) for s in self._proportional.sites)
+        leasts = [(s.channel, s.threshold / s.gain) for s in self._proportional.sites]
+        leasts += [(one.channel, one.threshold) for one in self._unwatched]
+        reasons = (feed.lifeless(channel, least, free) for channel, least in leasts)
         return next(filter(None, reasons), "")
 
     def _by_group(self, efforts: Mapping[str, float]) -> dict[str, float]:

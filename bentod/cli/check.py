@@ -8,7 +8,7 @@ import click
 from bentod.cli.configs import find, read
 from bentod.cli.learning_words import sentences
 from bentod.cli.muscle_words import explain_scheme
-from bentod.cli.recognition_words import explain_recognition
+from bentod.cli.recognition_words import check_recognition, explain_recognition
 from bentod.config import Config
 from bentod.errors import ConfigError
 from bentod.furnish import mind_of
@@ -33,8 +33,10 @@ def check(file: Path, emg: str, port: str) -> None:
 
 
 def _mind(config: Config, file: Path) -> Mind:
-    """Raises ConfigError: what is to be learned makes no sense."""
+    """Raises ConfigError: what is to be learned or recognised makes no sense."""
     try:
+        if config.emg:
+            check_recognition(config.emg)
         return mind_of(config)
     except ConfigError as error:
         raise ConfigError(f"{file}: {error}") from error

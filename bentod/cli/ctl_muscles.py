@@ -6,6 +6,7 @@ import click
 
 from bentod.cli.link import Link, assigned
 from bentod.cli.site_settings import keep
+from bentod.config_sites import BRACHIOPLEXUS
 
 ON_OFF = click.Choice(["on", "off"])
 PARAMETERS = click.argument("parameters", metavar="NAME=VALUE...", nargs=-1, required=True)
@@ -60,7 +61,8 @@ def emg(link: Link) -> None:
 @click.pass_obj
 def emg_set(link: Link, site: str, parameters: tuple[str, ...]) -> None:
     """Change a site: gain=…, threshold_v=…, max_v=…, release=…; what is left out stays."""
-    link.do("emg_set", **(assigned(parameters) | {"site": site}))
+    named = {BRACHIOPLEXUS.get(key, key): value for key, value in assigned(parameters).items()}
+    link.do("emg_set", **(named | {"site": site}))
 
 
 @click.command("emg-save")

@@ -56,7 +56,8 @@ def sentences(model: Model) -> list[str]:
     for label in model.labels:
         span = model.ranges[label]
         lines.append(f"class {label}: loudness {1e6 * span.least:.3g} to {1e6 * span.greatest:.3g} µV")
-    return [*lines, *(f"{name}: {_told(value)}" for name, value in model.training.items())]
+    known = {name: value for name, value in model.training.items() if value is not None}
+    return [*lines, *(f"{name}: {_told(value)}" for name, value in known.items())]
 
 
 def _features(asked: Value) -> str:

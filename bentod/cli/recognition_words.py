@@ -4,6 +4,10 @@ from collections.abc import Iterator
 
 from bentod.cli import show
 from bentod.config_recognition import Recognition
+from bentod.config_tables import Emg
+from bentod.emg.live.stream import features
+from bentod.emg.segmenting import segmenting
+from bentod.errors import ConfigError
 from bentod.frames import Value
 
 
@@ -33,12 +37,27 @@ def trained(told: Value) -> str:
     ]
     lines += [f"  {label}: {_percent(share)}" for label, share in show.fields(found.get("recall")).items()]
     if isinstance(seconds, int | float):
-        lines.append(f"trained in {seconds:.1f} s on {show.word(found.get('sessions'))} sessions")
+        sessions = found.get("sessions")
+        end = "" if sessions == 1 else "s"
+        lines.append(f"trained in {seconds:.1f} s on {show.word(sessions)} session{end}")
     return "\n".join(lines)
 
 
 def _percent(share: Value) -> str:
     return f"{100 * share:.1f} %" if isinstance(share, int | float) else "-"
+
+
+def check_recognition(emg: Emg) -> None:
+    """Raises ConfigError: there is no such classifier, or no such feature of such windows."""
+    table = emg.recognition
+    if table is None:
+        return
+    channels = len(table.channels) or len(emg.sites)  # how many the source has is known when it is open
+    try:
+        cuts = segmenting(table.window_s, table.step_s, emg.rate_hz)
+        features(table, channels, emg.rate_hz).check(cuts.length)
+    except ConfigError as error:
+        raise ConfigError(f"emg.recognition: {error}") from error
 
 
 def explain_recognition(table: Recognition) -> Iterator[str]:
@@ -50,3 +69,7 @@ def explain_recognition(table: Recognition) -> Iterator[str]:
     for one in table.classes:
         moves = ", ".join(f"{joint} at {share:+.0%}" for joint, share in one.moves.items())
         yield f"  {one.name} moves {moves} of its top speed."
+    if table.fusion:
+        yield f"What is predicted of their use counts up to {table.fusion.beta:.0%} (fusion)."
+    if table.adaptation:
+        yield "The classes follow the wearer (adaptation); what they become is not kept."

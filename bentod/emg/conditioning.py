@@ -25,6 +25,10 @@ MOST_V = 100.0
 """A sample beyond this is a fault of the way, as NaN is: what converters give ends at 10 V."""
 
 
+FILTERING = "[[emg.filters]] and the envelope low_pass"
+"""What SciPy is for here, as a config says it."""
+
+
 class Cascade(Protocol):
     """Filters one after the other, and what they remember; see `bentod.emg.filters.Sections`."""
 
@@ -160,7 +164,7 @@ class _Memory:
 def _cascade(filters: Sequence[Filter], rate_hz: float) -> Cascade:
     if problems := beyond(filters, rate_hz):
         raise ConfigError("\n".join(f"emg.{problem}" for problem in problems), "filters")
-    return cast("_Open", load("bentod.emg.filters:Sections"))(filters, rate_hz)
+    return cast("_Open", load("bentod.emg.filters:Sections", FILTERING))(filters, rate_hz)
 
 
 def _runs(known: NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -4,8 +4,8 @@ from bentod.errors import ConfigError
 from bentod.registry import resolve
 
 
-def load(target: str) -> object:
-    """The object that "module:attribute" names.
+def load(target: str, what: str) -> object:
+    """The object that "module:attribute" names, without which there is no `what`.
 
     Raises:
         ConfigError: it cannot be loaded, e.g. because it needs a package that is not installed.
@@ -17,6 +17,6 @@ def load(target: str) -> object:
         if not isinstance(missing, ModuleNotFoundError) or (missing.name or "").startswith("bentod"):
             raise
         raise ConfigError(
-            f"this needs the package '{missing.name}', which is not installed; "
+            f"{what} need the package '{missing.name}', which is not installed; "
             "the extra 'emg' brings it: pip install 'bentod[emg]'"
         ) from error

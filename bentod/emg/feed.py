@@ -120,6 +120,8 @@ class Feed:
             return self._over or self._lost
         if self.ring.next_index == 0:
             return "No EMG sample has arrived yet."
+        if math.isnan(self.age(now)):
+            return "The time of the newest EMG sample is not a number."
         if self.age(now) < -self._stall_s:
             return f"EMG samples are stamped {-self.age(now):.2f} s ahead of the clock."
         if self.age(now) > self._stall_s >= now - self._arrived:

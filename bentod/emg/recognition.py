@@ -121,3 +121,8 @@ class Decision:
     rejected: bool  # the classifier was not sure enough of it
     reason: str = ""  # why there is no decision, e.g. samples are missing; empty otherwise
     fused: Fused | None = None  # None: nothing is predicted here; `likely` is then the classifier's own
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the muscles were seen at rest; to ask for nothing, such as when not sure, is not enough."""
+        return self.label == self.likely == REST and not (self.rejected or self.reason)

@@ -51,7 +51,7 @@ class EmgMethods:
         It ends without a result when you leave, when the source dies, and when the arm is stopped or paused.
         """
         lessons = self._lessons()
-        lessons.data()
+        lessons.prepare()
         found = await self._collected(classes or [], hold_s, rest_s, repetitions)
         return await lessons.keep(found, add, condition)
 
@@ -117,8 +117,8 @@ class EmgMethods:
                 done.set_result(found)
 
         collection = Collection(plan, rate, channels, ended)
-        await inbox.ask(lambda desk: desk.collect(collection))
         try:
+            await inbox.ask(lambda desk: desk.collect(collection))
             return await done
         finally:
             if not collection.over:

@@ -39,7 +39,7 @@ def run(seed: int, asked: Trials) -> Findings:
     others = [answers.Ask(person, REPETITIONS, HARDER_ANSWERS, answers.HARDER) for person in known[half:]]
     harder = people.everybody(answers.play, others, asked.jobs)
     return Findings(
-        settings=SETTINGS,
+        settings=_settings(number, splits, half),
         claims=(*claims(found), *answer_claims(choosing, shown)),
         pictures=(),
         comparison=comparison(found),
@@ -66,20 +66,28 @@ def _swept(person: int, whole: bool) -> Listing:
     )
 
 
+def _settings(number: int, splits: int, half: int) -> tuple[Setting, ...]:
+    """`number`: of simulated people; `half`: on whom our answer is chosen, and shown."""
+    shown = f"{number} simulated (--operators); our answer: {half} and {half}"
+    return (
+        Setting("people", "one", shown),
+        *SAME,
+        Setting("80/20 splits", "30", f"{splits} (--splits)"),
+        Setting(
+            "KNN, random forest, SVM", "parameters not said", "bentod's defaults; KNN and SVM standardised"
+        ),
+        Setting("loads", "5 lb, 15 lb, hammer", "tonic activation of muscles, scattered between people"),
+    )
+
+
 DIVISORS = "Segments are of equal length, so that those that do not divide 150 samples are left out."
-SETTINGS = (
-    Setting(
-        "people", "one", f"{PEOPLE} simulated, --operators for more; our answer: {ANSWERING} and {ANSWERING}"
-    ),
+SAME = (
     Setting("electrodes", "4 round the forearm, 1 kHz, 20 to 450 Hz", "the same"),
     Setting("classes", "rest and 6 motions of the wrist", "the same; which six is our reading of Fig. 3.3"),
     Setting("session", "held 3 s, rest 3 s, random order", f"the same; {REPETITIONS} of each movement"),
     Setting("labels", "aligned by hand", "known; windows across an onset are left out"),
     Setting("windows of rest", "not said", "thinned to as many as of a movement: chance is 1 in 7"),
     Setting("features", "Table 3.2 and a bias", "the same; zc_product, ssc, var_zero_mean, ar_burg"),
-    Setting("80/20 splits", "30", f"{SPLITS}, --splits for more"),
-    Setting("KNN, random forest, SVM", "parameters not said", "bentod's defaults; KNN and SVM standardised"),
-    Setting("loads", "5 lb, 15 lb, hammer", "tonic activation of muscles, scattered between people"),
 )
 SIMULATED = (
     "Generated EMG is a check of the software, and no evidence about people. Muscles are sources of noise "

@@ -188,6 +188,7 @@ def ask(arm: Arm) -> Ctl:
         (["torque", "on", "wrist"], ("torque", ["wrist"], True)),
         (["set-meta", "trial 3"], ("set_meta", "trial 3")),
         (["emg-set", "flexor", "gain=2", "max_v=0.5"], ("emg_set", "flexor", 2.0, 0.5)),
+        (["emg-set", "flexor", "smax_v=0.5"], ("emg_set", "flexor", None, 0.5)),  # as in brachIOplexus
         (["inject", "cable"], ("inject", "cable", None, True)),
         (["inject", "stuck", "wrist", "off"], ("inject", "stuck", "wrist", False)),
         (["call", "pause", 'joints=["a"]', "on=off"], ("pause", ["a"], False)),

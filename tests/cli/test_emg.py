@@ -88,6 +88,7 @@ def test_a_model_is_told_in_sentences(model: Path) -> None:
     assert "features: 8 columns, mav, zc" in told.output
     assert "class open: loudness " in told.output
     assert "recordings: session.npz" in told.output
+    assert "None" not in told.output
 
 
 @pytest.mark.parametrize(

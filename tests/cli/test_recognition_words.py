@@ -1,8 +1,18 @@
 """What the terminal says of collecting, training and classes."""
 
-from bentod.cli.recognition_words import collected, explain_recognition, trained
+import re
+from pathlib import Path
+
+import pytest
+
+from bentod.cli.configs import read
+from bentod.cli.recognition_words import check_recognition, collected, explain_recognition, trained
+from bentod.config_adaptation import Adaptation, Fusion
+from bentod.errors import ConfigError
 from bentod.frames import Value
 from tests.emg.live.signals import TABLE
+
+CONFIGS = Path(__file__).parents[2] / "config"
 
 
 def test_a_class_is_told_with_its_strength_and_how_far_its_labels_went() -> None:
@@ -33,3 +43,31 @@ def test_the_config_is_explained_class_by_class() -> None:
         "  wrist_extension moves wrist_flexion at -50% of its top speed.",
         "  pronation moves wrist_rotation at +100%, wrist_flexion at +50% of its top speed.",
     ]
+
+
+def test_what_helps_recognition_is_explained() -> None:
+    helped = TABLE.model_copy(update={"fusion": Fusion(beta=0.2), "adaptation": Adaptation()})
+    assert list(explain_recognition(helped))[4:] == [
+        "What is predicted of their use counts up to 20% (fusion).",
+        "The classes follow the wearer (adaptation); what they become is not kept.",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"classifier": "ldaa"}, "emg.recognition: there is no classifier 'ldaa'; did you mean 'lda'?"),
+        ({"features": ("mvs",)}, "emg.recognition: there is no feature 'mvs'; did you mean 'mavs'?"),
+        ({"features": ({"name": "wl", "segments": 4},)}, "150 is no multiple of 4"),
+    ],
+)
+def test_what_could_not_be_trained_is_told_before_anything_is_collected(
+    change: dict[str, Value], said: str
+) -> None:
+    emg = read(CONFIGS / "patterns.toml").emg
+    assert emg
+    assert emg.recognition
+    check_recognition(emg)
+    wrong = emg.model_copy(update={"recognition": emg.recognition.model_copy(update=change)})
+    with pytest.raises(ConfigError, match=re.escape(said)):
+        check_recognition(wrong)

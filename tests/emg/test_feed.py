@@ -1,4 +1,5 @@
 import asyncio
+import math
 import re
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -223,3 +224,12 @@ async def test_cancelling_the_pump_is_not_swallowed(clock: VirtualClock) -> None
 def test_a_stall_that_would_last_too_long_is_refused(stall_s: float) -> None:
     with pytest.raises(ConfigError, match=r"must be from 0\.01 to 0\.1 s"):
         Feed(Wire(), stall_s)
+
+
+async def test_a_time_that_is_no_number_is_not_taken_for_now(clock: VirtualClock) -> None:
+    wire = Wire()
+    async with pumping(wire) as feed:
+        await wire.deliver(0, math.nan, 1.0)
+        assert feed.problem(clock.now()) == "The time of the newest EMG sample is not a number."
+        await wire.deliver(1, clock.now(), 1.0)
+        assert feed.alive(clock.now())

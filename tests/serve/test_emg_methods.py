@@ -123,6 +123,12 @@ async def test_another_classifier_is_used_at_a_seam_while_the_arm_runs(tmp_path:
         assert table(told["model"])["classifier"] == "knn"
 
 
+async def test_a_movement_that_is_no_class_is_not_asked_for(tmp_path: Path) -> None:
+    async with recognising(tmp_path) as arm:
+        with pytest.raises(RpcError, match="no class 'pronatoin'; did you mean 'pronation'"):
+            await arm.call("emg_prompt", label="pronatoin")
+
+
 async def test_what_was_trained_is_used_at_the_next_start(tmp_path: Path) -> None:
     async with recognising(tmp_path) as arm:
         await retrain(arm)
@@ -136,6 +142,13 @@ async def test_what_was_trained_is_used_at_the_next_start(tmp_path: Path) -> Non
     (tmp_path / "muscles" / "model.model").write_bytes(b"garbage")
     async with recognising(tmp_path) as arm:
         assert "this is no model of muscle signals" in str(recognised(await state(arm))["reason"])
+
+
+async def test_a_folder_that_cannot_be_looked_into_keeps_no_arm_from_running(tmp_path: Path) -> None:
+    async with running(patterns(tmp_path / ("x" * 300)), tmp_path / "s") as arm:
+        assert "File name too long" in str(recognised(await state(arm))["reason"])
+        with pytest.raises(RpcError, match=r"nothing can be kept in .*File name too long"):
+            await arm.call("emg_collect", **BRIEFLY)
 
 
 @pytest.mark.parametrize(

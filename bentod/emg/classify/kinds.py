@@ -19,7 +19,7 @@ def trainer(name: str) -> Train:
     Raises:
         ConfigError: there is none, or the extra that trains it is not installed.
     """
-    return cast("Train", resolve(_kind(name).train))
+    return cast("Train", resolve(kind(name).train))
 
 
 def restored(name: str, labels: tuple[str, ...], arrays: Mapping[str, NDArray[np.float64]]) -> Classifier:
@@ -29,10 +29,11 @@ def restored(name: str, labels: tuple[str, ...], arrays: Mapping[str, NDArray[np
         ConfigError: there is none of that name.
         SnapshotError: the arrays are not those of such a classifier.
     """
-    return cast("Restore", resolve(_kind(name).restore))(labels, arrays)
+    return cast("Restore", resolve(kind(name).restore))(labels, arrays)
 
 
-def _kind(name: str) -> ClassifierKind:
+def kind(name: str) -> ClassifierKind:
+    """Where the classifier `name` is found. Raises ConfigError: there is none of that name."""
     if name not in CLASSIFIERS:
         raise ConfigError(f"there is no classifier '{name}'{nearest(name, CLASSIFIERS)}", "classifier")
     return CLASSIFIERS[name]

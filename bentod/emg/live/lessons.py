@@ -1,7 +1,8 @@
 """From what was collected to a model in use: the files in between, one order at a time."""
 
 import asyncio
-import tempfile
+import os
+import uuid
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -37,6 +38,13 @@ class Lessons:
         """The file of a model. Raises Refused: there is no folder."""
         return self._folder() / f"{name}.model"
 
+    def has(self, name: str) -> bool:
+        """Whether there is such a model, be it that it cannot be read."""
+        try:
+            return self.model(name).exists()
+        except OSError:
+            return True
+
     def models(self) -> list[str]:
         """Names of the models that there are."""
         return sorted(path.stem for path in self.folder.glob("*.model")) if self.folder else []
@@ -45,16 +53,35 @@ class Lessons:
         """Align a session's labels and keep it; returns what was found, class by class.
 
         Raises:
-            Refused: it cannot be kept, or another order is being carried out.
+            Refused: it cannot be kept; the raw session then stays in the folder, if the disk took it.
         """
         data = self.data()
-        data.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=data.parent, prefix=".session.") as folder:
-            raw = Path(folder) / "session.npz"
+        raw = data.with_name(f"unkept.{uuid.uuid4().hex}.npz")
+        try:
             await asyncio.to_thread(saved, raw, session_arrays(session))
-            return await self._carry_out(
-                Keep(session=str(raw), data=str(data), filters=self.filters, add=add, condition=condition)
-            )
+        except OSError as error:
+            raise Refused(f"the session cannot be written to {data.parent}: {_said(error)}") from error
+        order = Keep(session=str(raw), data=str(data), filters=self.filters, add=add, condition=condition)
+        try:
+            async with self._busy:  # what took minutes to make is not thrown away for a training under way
+                told = await workshop.in_a_process(order)
+        except Refused as error:
+            raise Refused(f"{error} (the raw session is in {raw})") from error
+        except asyncio.CancelledError:  # whoever asked has left
+            raw.unlink(missing_ok=True)
+            raise
+        raw.unlink(missing_ok=True)
+        return told
+
+    def prepare(self) -> None:
+        """Make sure that there is a place for what is to be collected. Raises Refused: there is none."""
+        folder = self._folder()
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise Refused(f"nothing can be kept in {folder}: {_said(error)}") from error
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise Refused(f"nothing can be kept in {folder}: it may not be written to")
 
     async def train(self, name: str, classifier: str | None = None) -> dict[str, Value]:
         """Train the model `name` on all that was collected; returns how well repetitions are recognised.
@@ -80,12 +107,14 @@ class Lessons:
     def read(self, name: str) -> Model:
         """The model `name`. Raises Refused: there is none, or it cannot be used."""
         path = self.model(name)
-        if not path.exists():
-            raise Refused(f"there is no model '{name}' (models: {', '.join(self.models()) or 'none'})")
         try:
-            return model_file.read(path)
+            if path.exists():
+                return model_file.read(path)
         except SnapshotError as error:
             raise Refused(str(error)) from error
+        except OSError as error:
+            raise Refused(f"{path}: cannot be read: {_said(error)}") from error
+        raise Refused(f"there is no model '{name}' (models: {', '.join(self.models()) or 'none'})")
 
     async def _carry_out(self, order: Order) -> dict[str, Value]:
         if self._busy.locked():
@@ -97,3 +126,7 @@ class Lessons:
         if self.folder is None:
             raise Refused("there is no folder for models: give emg.recognition.folder in the config")
         return self.folder
+
+
+def _said(error: OSError) -> str:
+    return error.strerror or str(error)

@@ -1,11 +1,11 @@
 """What a guided collection asks for, by sample index."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from bentod.emg.recognition import REST
-from bentod.errors import BadRequest
+from bentod.errors import BadRequest, nearest
 
 MOST_VALUES = 20_000_000
 """Samples times channels of one collection, which are held in memory: 80 MB."""
@@ -49,6 +49,12 @@ class Plan:
     def samples(self, rate_hz: float) -> int:
         """How many it takes."""
         return math.ceil(self.seconds() * rate_hz)
+
+
+def check(label: str, known: Collection[str]) -> None:
+    """Raises BadRequest: it is neither a class nor rest."""
+    if label != REST and label not in known:
+        raise BadRequest(f"there is no class '{label}'{nearest(label, (*known, REST))}", "label")
 
 
 def planned(

@@ -11,6 +11,7 @@ from bentod.emg.adapt.adaptive import Adaptive, adaptive
 from bentod.emg.classify.model import Model, Setting
 from bentod.emg.feed import Feed
 from bentod.emg.live.collection import Collection
+from bentod.emg.live.plan import check
 from bentod.emg.live.stream import Stream, deciding, features
 from bentod.emg.recognition import REST, Decision, Fuse
 from bentod.emg.segmenting import segmenting
@@ -20,16 +21,13 @@ from bentod.recognition_frame import RecognitionFrame
 
 _log = logging.getLogger(__name__)
 
-MOST_WINDOWS = 16
-"""Windows that are worked on in one go, so that whoever else is due gets a turn after some 2 ms."""
-
 LONGEST_WAIT_S = 0.25
 """s for which samples may wait for the one that completes a window."""
 
 LOST_S = 1.0
 """s without signals that can be believed, after which the muscles must be seen at rest."""
 
-NO_MODEL = "Nothing is recognised: there is no model yet. Collect contractions, and train one."
+NO_MODEL = "Nothing is recognised: there is no model yet; `bentod ctl emg-retrain` collects and trains."
 REST_FIRST = "Nothing is moved until the muscles have been recognised as at rest."
 
 
@@ -40,6 +38,7 @@ class Wanted:
     efforts: Mapping[str, float]  # by group, 0..1; a group that is absent is not asked for anything
     moves: Mapping[str, Mapping[str, float]]  # by group and joint, share of the joint's greatest velocity
     frame: RecognitionFrame
+    tense: Sequence[str] = ()  # groups for which the muscles were not seen at rest
 
 
 class Recogniser:
@@ -77,6 +76,8 @@ class Recogniser:
         """Samples that were gone before they could be looked at."""
         self.fuse: Fuse | None = None
         """Weighs predictions in, from the next model on."""
+        self.heeded = True
+        """Whether the joints that classes move may move, and nobody else drives them."""
         self._adaptive: Adaptive | None = None
         self._feed = feed
         self._stream = Stream(self.setting, self.channels)
@@ -84,8 +85,7 @@ class Recogniser:
         self._most = round(LONGEST_WAIT_S * rate)
         self._collected = 0  # index after the newest sample that a collection was given
         self._collection_at = 0  # interventions when the collection began
-        self._must_rest = True
-        self._openings = feed.openings
+        self._must_rest, self._openings = True, feed.openings
         self._problem_since: float | None = None
 
     def use(self, model: Model, name: str) -> None:
@@ -133,7 +133,7 @@ class Recogniser:
                 await asyncio.sleep(0)
 
     def step(self) -> bool:
-        """Work on what has come since the last step, `MOST_WINDOWS` at most; whether there is more.
+        """Work on what has come since the last step, for a few ms at most; whether there is more.
 
         Whatever breaks is told, and moves nothing from then on.
         """
@@ -157,13 +157,13 @@ class Recogniser:
         samples = self._feed.since(self._stream.next_index)
         first = self._feed.ring.next_index - len(samples)
         self.late += first - self._stream.next_index
-        piece = samples[: MOST_WINDOWS * self.setting.segmenting.step]
+        piece = samples[: self._stream.at_once]
         if not len(piece):
             return False
         for decision in self._stream.take(first, piece):
             self.newest = decision
             self.decided(decision)
-            if decision.likely == decision.label == REST and not (decision.rejected or decision.reason):
+            if decision.at_rest:
                 self._must_rest = False
         return self._ready()
 
@@ -179,10 +179,11 @@ class Recogniser:
         decision = self.newest
         why = self.problem or problem or self._stale() or (REST_FIRST if self._must_rest else "")
         if self._adaptive:  # nobody corrects an arm that does not obey
-            self._adaptive.obeyed = obeyed and not collecting and not why
+            self._adaptive.obeyed = obeyed and self.heeded and not collecting and not why
         if not obeyed or collecting or why or decision is None:
             return Wanted({}, {}, self._frame(decision, why))
-        return Wanted(*self._asked(decision), self._frame(decision, ""))
+        tense = () if decision.at_rest else self.table.groups()
+        return Wanted(*self._asked(decision), self._frame(decision, ""), tense)
 
     def collect(self, collection: Collection, interventions: int) -> None:
         """Begin a collection with the next look. Raises Refused: one is under way."""
@@ -192,7 +193,8 @@ class Recogniser:
         self._collected = self._feed.ring.next_index
 
     def prompt(self, label: str) -> None:
-        """Have a simulated wearer make a movement. Raises Refused: a collection prompts already."""
+        """Have a simulated wearer move; see `check`. Raises Refused: a collection prompts already."""
+        check(label, self._by_name)
         if self.collection is not None:
             raise Refused("contractions are being collected, and prompted, already")
         self._feed.prompt(label)

@@ -22,9 +22,12 @@ async def in_a_process(order: Order) -> dict[str, Value]:
         Refused: it could not be, or took longer than `PATIENCE_S`.
     """
     pipe = asyncio.subprocess.PIPE
-    process = await asyncio.create_subprocess_exec(
-        sys.executable, "-P", "-m", WORKER, stdin=pipe, stdout=pipe, stderr=pipe
-    )
+    try:
+        process = await asyncio.create_subprocess_exec(
+            sys.executable, "-P", "-m", WORKER, stdin=pipe, stdout=pipe, stderr=pipe
+        )
+    except OSError as error:
+        raise Refused(f"no process can be started for this: {error.strerror or error}") from error
     try:
         async with asyncio.timeout(PATIENCE_S):
             out, err = await process.communicate(written(order))

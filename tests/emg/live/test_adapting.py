@@ -49,6 +49,13 @@ def test_an_arm_that_does_not_obey_teaches_nothing() -> None:
     assert rig.told()["learned"] == 0
 
 
+def test_an_arm_that_is_paused_or_driven_by_somebody_else_teaches_nothing() -> None:
+    rig = Following()
+    rig.recogniser.heeded = False
+    rig.use()
+    assert rig.told()["learned"] == 0
+
+
 def test_a_reset_goes_back_to_what_was_trained_and_wants_rest_first() -> None:
     rig = Following()
     rig.use()

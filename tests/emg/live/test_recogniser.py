@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bentod.emg.feed import Feed
-from bentod.emg.live.recogniser import MOST_WINDOWS, NO_MODEL, REST_FIRST, Recogniser, Wanted
-from bentod.emg.live.stream import Stream, deciding
+from bentod.emg.live.recogniser import NO_MODEL, REST_FIRST, Recogniser, Wanted
+from bentod.emg.live.stream import MOST_WINDOWS, Stream, deciding, features
 from bentod.emg.recognition import Decision
 from bentod.errors import ConfigError, Refused
 from bentod.frames import EmgBlock, Samples
@@ -219,10 +220,40 @@ async def test_a_burst_is_worked_off_in_pieces_between_which_others_have_their_t
     rig.put(rig.person.read(0, 1950))
     rig.feed.came()
     turns = []
-    for _ in range(6):
+    for _ in range(40):
         await asyncio.sleep(0)
         turns.append(len(rig.decisions))
     task.cancel()
     pieces = np.diff([0, *turns])
     assert pieces.max() <= MOST_WINDOWS
     assert turns[-1] == (1950 - 150) // 50 + 1
+
+
+def test_a_classifier_that_takes_long_is_asked_less_at_once_and_decides_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("bentod.emg.live.stream.TURN_S", 1e-7)
+    rig = Rig()
+    rig.make("rest", 0.5)
+    before = len(rig.decisions)
+    rig.put(rig.person.read(rig.index, 500))
+    steps = []
+    while rig.recogniser.step():
+        steps.append(len(rig.decisions) - before)
+    assert np.diff(steps).max() == 1
+    assert len(rig.decisions) - before == 10
+
+
+def test_windows_that_no_tick_could_bear_are_refused() -> None:
+    with pytest.raises(ConfigError, match="has 128000 values of 64 channels at 2000 Hz"):
+        features(TABLE.model_copy(update={"window_s": 1.0}), 64, 2000.0)
+
+
+def test_muscles_that_nobody_is_sure_of_are_not_at_rest() -> None:
+    rig = Rig()
+    assert rig.make("rest").tense == ()
+    rig.make("pronation")
+    assert rig.recogniser.newest is not None
+    rig.recogniser.newest = replace(rig.recogniser.newest, label="rest", speed=0.0, rejected=True)
+    wanted = rig.look()
+    assert (wanted.efforts, wanted.tense) == ({"hand": 0.0}, ("hand",))

@@ -93,17 +93,38 @@ async def test_a_process_of_its_own_carries_out_orders_and_tells_what_is_wrong(t
     lessons = Lessons(tmp_path, TABLE, FILTERS)
     with pytest.raises(Refused, match="nothing has been collected"):
         await lessons.train("model")
-    kept, busy = await asyncio.gather(
-        lessons.keep(session(), True, ""), lessons.keep(session(), True, ""), return_exceptions=True
+    kept = await asyncio.gather(lessons.keep(session(), True, ""), lessons.keep(session(), True, ""))
+    assert sorted(str(told["sessions"]) for told in kept) == ["1", "2"]  # what was made is never refused
+    assert [path.name for path in tmp_path.iterdir()] == ["training.npz"]
+    trained, busy = await asyncio.gather(
+        lessons.train("model"), lessons.train("model"), return_exceptions=True
     )
-    assert isinstance(kept, dict)
+    assert isinstance(trained, dict)
+    assert trained["sessions"] == 2
     assert isinstance(busy, Refused)
-    assert (await lessons.train("model"))["sessions"] == 1
     assert (await lessons.load("model")).kind == "lda"
     (tmp_path / "training.npz").write_bytes(b"garbage")
     with pytest.raises(Refused, match=r"training\.npz"):
         await lessons.train("model")
     assert lessons.models() == ["model"]
+
+
+@pytest.mark.real_time
+async def test_a_session_whose_process_dies_is_not_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(workshop, "WORKER", "bentod.nowhere")
+    with pytest.raises(Refused, match="raw session is in"):
+        await Lessons(tmp_path, TABLE, FILTERS).keep(session(), True, "")
+    (left,) = tmp_path.iterdir()
+    with np.load(left) as file:
+        assert np.array_equal(file["emg"], session().samples, equal_nan=True)
+
+
+def test_a_folder_that_cannot_be_is_told_before_anything_is_collected(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(Refused, match="nothing can be kept"):
+        Lessons(tmp_path / "file" / "muscles", TABLE, FILTERS).prepare()
 
 
 @pytest.mark.real_time
