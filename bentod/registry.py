@@ -177,6 +177,13 @@ def _missing_extra(error: Exception) -> str:
     return f"; pip install 'bentod[{extra}]' brings it" if extra and isinstance(error, ImportError) else ""
 
 
+def missing_package(error: ConfigError) -> str:
+    """The package for want of which `resolve` raised `error`; empty if that was not why, or it is ours."""
+    cause = error.__cause__
+    name = cause.name or "" if isinstance(cause, ModuleNotFoundError) else ""
+    return "" if name.startswith("bentod") else name
+
+
 def open_joints(name: str) -> OpenJoints:
     """The factory of the joints that `driver.name` chooses. Raises ConfigError: there is none."""
     return cast("OpenJoints", resolve(_driver(name).open))

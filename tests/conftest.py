@@ -10,6 +10,8 @@ import pytest
 from hypothesis import settings
 
 from sim.clock import VirtualClock, VirtualLoop
+from sim.emg import Synthetic
+from tests.rig import opened_sources
 
 settings.register_profile("long", max_examples=6000, deadline=None)
 """For `--hypothesis-profile=long`: what is drawn at random is drawn for as long as it takes."""
@@ -56,3 +58,10 @@ def pylsl(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
 @pytest.fixture
 def clock() -> VirtualClock:
     return VirtualClock()
+
+
+@pytest.fixture
+def sources() -> Iterator[list[Synthetic]]:
+    """The simulated wearers that a daemon opens, to be broken by hand."""
+    with opened_sources() as opened:
+        yield opened

@@ -1,20 +1,24 @@
 """A whole daemon on a simulated arm, in virtual time, with a client on its real socket."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager, suppress
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager, suppress
 from pathlib import Path
 from typing import cast
+from unittest import mock
 
 from bentod import registry
 from bentod.client import Client
 from bentod.config import Config
 from bentod.config_file import parse
 from bentod.config_tables import Record
+from bentod.contracts import Clock, EmgConfig
 from bentod.daemon import Daemon
 from bentod.frames import Value
 from bentod.supervise import Supervisor
+from sim import emg
 from sim.clock import VirtualClock
+from sim.emg import Synthetic
 
 CONFIGS = Path(__file__).parents[1] / "config"
 
@@ -56,6 +60,22 @@ async def running(config: Config, socket: Path, mode: str = "active") -> AsyncIt
         task.cancel()
         with suppress(asyncio.CancelledError):
             await task
+
+
+@contextmanager
+def opened_sources() -> Iterator[list[Synthetic]]:
+    """The simulated wearers that a daemon opens, to be broken by hand."""
+    opened: list[Synthetic] = []
+    open_emg = emg.open_emg
+
+    @asynccontextmanager
+    async def keep(config: EmgConfig, clock: Clock) -> AsyncIterator[Synthetic]:
+        async with open_emg(config, clock) as source:
+            opened.append(source)
+            yield source
+
+    with mock.patch.object(emg, "open_emg", keep):
+        yield opened
 
 
 async def wait_for(arm: Client, condition: Callable[[Table], bool], seconds: float = 20.0) -> Table:

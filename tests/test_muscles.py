@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +11,10 @@ import pytest
 from bentod.client import Client
 from bentod.config import Config
 from bentod.config_sites import CoContraction, Pair, SingleSite, Site
-from bentod.contracts import Clock, EmgConfig
 from bentod.emg.feed import Feed
 from bentod.errors import BadRequest
 from bentod.frames import EmgBlock
 from bentod.muscles import Look, Muscles
-from sim import emg
 from sim.clock import EPOCH, VirtualClock
 from sim.emg import Synthetic
 from tests.rig import PLAIN, Table, joint, number, running, sim_config, state, table, tables, wait_for
@@ -76,22 +74,6 @@ async def wire(clock: VirtualClock) -> AsyncIterator[Wire]:
     pump.cancel()
     with suppress(asyncio.CancelledError):
         await pump
-
-
-@pytest.fixture
-def sources(monkeypatch: pytest.MonkeyPatch) -> list[Synthetic]:
-    """The simulated wearers that a daemon opens, to be broken by hand."""
-    opened: list[Synthetic] = []
-    open_emg = emg.open_emg
-
-    @asynccontextmanager
-    async def open_and_keep(config: EmgConfig, clock: Clock) -> AsyncIterator[Synthetic]:
-        async with open_emg(config, clock) as source:
-            opened.append(source)
-            yield source
-
-    monkeypatch.setattr(emg, "open_emg", open_and_keep)
-    return opened
 
 
 async def test_effort_is_what_one_site_has_more_than_the_other(wire: Wire) -> None:

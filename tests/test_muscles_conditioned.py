@@ -14,14 +14,12 @@ from bentod.client import Client
 from bentod.config import Config
 from bentod.config_conditioning import Filter, Leads
 from bentod.config_sites import Pair, Site
-from bentod.contracts import Clock, EmgConfig
 from bentod.emg.conditioning import Conditioning
 from bentod.emg.electrodes import Electrodes
 from bentod.emg.feed import Feed
 from bentod.errors import ConfigError
 from bentod.frames import EmgBlock, Samples
 from bentod.muscles import Muscles
-from sim import emg
 from sim.clock import VirtualClock
 from sim.emg import Synthetic
 from sim.emg_wearer import Options, Wearer
@@ -51,22 +49,6 @@ def speed(frame: Table) -> float:
 
 def effort(frame: Table, site: str = "flexor") -> float:
     return number(table(table(frame["emg"])["effort"]), site)
-
-
-@pytest.fixture
-def sources(monkeypatch: pytest.MonkeyPatch) -> list[Synthetic]:
-    """The simulated wearers that a daemon opens, to be broken by hand."""
-    opened: list[Synthetic] = []
-    open_emg = emg.open_emg
-
-    @asynccontextmanager
-    async def open_and_keep(config: EmgConfig, clock: Clock) -> AsyncIterator[Synthetic]:
-        async with open_emg(config, clock) as source:
-            opened.append(source)
-            yield source
-
-    monkeypatch.setattr(emg, "open_emg", open_and_keep)
-    return opened
 
 
 async def test_hum_that_nobody_filters_moves_nothing_and_is_told_once_for_each_site(tmp_path: Path) -> None:

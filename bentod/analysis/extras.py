@@ -1,7 +1,7 @@
 """What only an optional extra brings is loaded when it is asked for, or its name is told."""
 
 from bentod.errors import BentodError, ConfigError
-from bentod.registry import resolve
+from bentod.registry import missing_package, resolve
 
 
 class MissingExtra(BentodError):
@@ -22,11 +22,11 @@ def load_extra(target: str, extra: str = "analysis") -> object:
     try:
         return resolve(target)
     except ConfigError as error:
-        missing = error.__cause__
-        if not isinstance(missing, ModuleNotFoundError) or (missing.name or "").startswith("bentod"):
+        missing = missing_package(error)
+        if not missing:
             raise
         told = f"the extra '{extra}' brings it: pip install 'bentod[{extra}]'"
         raise MissingExtra(
-            f"this needs the package '{missing.name}', which is not installed; "
-            + (told if extra else f"pip install '{missing.name}'")
+            f"this needs the package '{missing}', which is not installed; "
+            + (told if extra else f"pip install '{missing}'")
         ) from error

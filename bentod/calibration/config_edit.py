@@ -1,7 +1,6 @@
 """Changes keys of a joint or of EMG sites in a config file, and leaves all else in it as it was typed."""
 
-import os
-import tempfile
+import stat
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from tomlkit.items import AoT, InlineTable, Item, Table
 from bentod.config_file import OptionModels, parse
 from bentod.config_sites import BRACHIOPLEXUS, Site
 from bentod.errors import ConfigError
+from bentod.whole_file import replacing
 
 
 def edited(text: str, joint: str, values: Mapping[str, float]) -> str:
@@ -106,15 +106,5 @@ def _tidy(text: str, hardware: Table | InlineTable) -> str:
 
 def _replace(path: Path, text: str, like: Path) -> None:
     """Write a whole file or nothing, with the permissions of another: the power may fail at any time."""
-    mode = like.stat().st_mode
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        os.chmod(name, mode)
-        os.replace(name, path)
-    except BaseException:
-        os.unlink(name)
-        raise
+    with replacing(path, stat.S_IMODE(like.stat().st_mode)) as file:
+        file.write(text.encode())

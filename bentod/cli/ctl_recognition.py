@@ -1,7 +1,7 @@
 """Commands of `bentod ctl` about recognising muscle signals: prompts in the terminal, training, use."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import suppress
 
 import click
@@ -50,12 +50,7 @@ def emg_collect(
     told = _guided(
         link,
         "emg_collect",
-        classes=list(classes) or None,
-        hold_s=hold,
-        rest_s=rest,
-        repetitions=repetitions,
-        add=not anew,
-        condition=condition,
+        **_plan(classes, hold, rest, repetitions, anew, condition),
     )
     link.show(told, collected(told))
 
@@ -101,12 +96,7 @@ def emg_retrain(
     told = _guided(
         link,
         "emg_retrain",
-        classes=list(classes) or None,
-        hold_s=hold,
-        rest_s=rest,
-        repetitions=repetitions,
-        add=not anew,
-        condition=condition,
+        **_plan(classes, hold, rest, repetitions, anew, condition),
         model=model,
     )
     found = show.fields(told)
@@ -119,6 +109,20 @@ def emg_retrain(
 def emg_prompt(link: Link, label: str) -> None:
     """Have a simulated wearer make a movement, until another is asked for."""
     link.do("emg_prompt", label=label)
+
+
+def _plan(
+    classes: Sequence[str], hold: float, rest: float, repetitions: int, anew: bool, condition: str
+) -> dict[str, Value]:
+    """Parameters of a collection, as the daemon names them."""
+    return {
+        "classes": list[Value](classes) or None,
+        "hold_s": hold,
+        "rest_s": rest,
+        "repetitions": repetitions,
+        "add": not anew,
+        "condition": condition,
+    }
 
 
 def _guided(link: Link, method: str, **named: Value) -> Value:

@@ -1,7 +1,7 @@
 """What only the optional extra `emg` brings is loaded when it is asked for, or its name is told."""
 
 from bentod.errors import ConfigError
-from bentod.registry import resolve
+from bentod.registry import missing_package, resolve
 
 
 def load(target: str, what: str) -> object:
@@ -13,10 +13,10 @@ def load(target: str, what: str) -> object:
     try:
         return resolve(target)
     except ConfigError as error:
-        missing = error.__cause__
-        if not isinstance(missing, ModuleNotFoundError) or (missing.name or "").startswith("bentod"):
+        missing = missing_package(error)
+        if not missing:
             raise
         raise ConfigError(
-            f"{what} need the package '{missing.name}', which is not installed; "
+            f"{what} need the package '{missing}', which is not installed; "
             "the extra 'emg' brings it: pip install 'bentod[emg]'"
         ) from error

@@ -13,7 +13,8 @@ from typing import Self
 
 from bentod.errors import SnapshotError
 from bentod.learn.differences import by_name
-from bentod.learn.snapshot import Keepable, Snapshot, read, sweep_up, write
+from bentod.learn.snapshot import Keepable, Snapshot, read, write
+from bentod.whole_file import sweep_up
 
 CLOSING = 3.0
 """s that the last snapshot may take before everybody goes on without it."""

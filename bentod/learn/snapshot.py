@@ -1,13 +1,9 @@
 """All that was learned and the exact questions that it answers, as one file that is whole or refused."""
 
-import errno
 import hashlib
 import os
-import re
 import stat
-import tempfile
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from io import BytesIO, FileIO
@@ -21,14 +17,9 @@ from bentod.errors import SnapshotError
 from bentod.frames import Value
 from bentod.learn import snapshot_layout as layout
 from bentod.learn.snapshot_layout import Array, Place
-
-MODE = 0o640
-"""Of files: the owner writes, the group reads; how somebody moves is about a person."""
+from bentod.whole_file import replacing
 
 FOLDER_MODE = 0o750
-
-TEMPORARY = ".new"
-"""Ends the name of a file that is still being written; its first letter is a dot."""
 
 _VERSION = version("bentod")
 
@@ -92,50 +83,13 @@ def write(path: Path, snapshot: Snapshot, aside: Path | None = None) -> int:
     arrays = {name: layout.stored(name, array) for name, array in snapshot.arrays.items()}
     parts = layout.beginning(snapshot.header, arrays)
     path.parent.mkdir(mode=FOLDER_MODE, parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=TEMPORARY)
-    try:
-        with os.fdopen(handle, "wb", buffering=0) as file:
-            for part in parts:
-                _write_all(file, memoryview(part))
-            for array in arrays.values():
-                _write_all(file, layout.raw(array))
-            os.fchmod(file.fileno(), MODE)
-            os.fsync(file.fileno())
-            size = os.fstat(file.fileno()).st_size
-        if aside is not None and path.exists():
-            os.replace(path, aside)
-        os.replace(name, path)
-    except BaseException:
-        os.unlink(name)
-        raise
-    sync_folder(path.parent)
+    with replacing(path, aside=aside) as file:
+        for part in parts:
+            file.write(part)
+        for array in arrays.values():
+            file.write(layout.raw(array))
+        size = file.tell()
     return size
-
-
-def sweep_up(path: Path) -> None:
-    """Remove what is left of snapshots that were being written to `path` when the power failed."""
-    left = re.compile(rf"\.{re.escape(path.name)}\.\w{{8}}{re.escape(TEMPORARY)}")
-    with suppress(OSError), os.scandir(path.parent) as found:
-        for entry in found:
-            if left.fullmatch(entry.name):
-                os.unlink(entry)
-
-
-def _write_all(file: FileIO, data: memoryview) -> None:
-    while data:
-        data = data[file.write(data) :]
-
-
-def sync_folder(folder: Path) -> None:
-    """Have names that changed in `folder` survive a power cut, where the file system can."""
-    number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-    try:
-        os.fsync(number)
-    except OSError as error:
-        if error.errno != errno.EINVAL:
-            raise
-    finally:
-        os.close(number)
 
 
 def read(path: Path) -> Snapshot:

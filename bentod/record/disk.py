@@ -1,6 +1,5 @@
 """The folder of recordings: files that are made once and only appended to, and how much room is left."""
 
-import errno
 import fcntl
 import os
 import time
@@ -12,6 +11,7 @@ from typing import Protocol
 
 from bentod.record.container import Sink
 from bentod.record.session import SUFFIX
+from bentod.whole_file import sync_folder
 
 MODE = 0o640
 """Of files: the owner writes, the group reads; a recording is about a person."""
@@ -101,18 +101,6 @@ class File:
         number, self._number = self._number, -1
         if number >= 0:
             os.close(number)
-
-
-def sync_folder(folder: Path) -> None:
-    """Make names that were made, changed or removed in `folder` survive a power cut."""
-    number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-    try:
-        os.fsync(number)
-    except OSError as error:
-        if error.errno != errno.EINVAL:  # some file systems cannot
-            raise
-    finally:
-        os.close(number)
 
 
 def is_being_written(path: Path) -> bool:

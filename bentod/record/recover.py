@@ -9,12 +9,13 @@ from typing import cast
 from bentod.errors import RecordingError, Refused
 from bentod.record.container import Container
 from bentod.record.decode import brief, decode
-from bentod.record.disk import File, is_being_written, sync_folder
+from bentod.record.disk import File, is_being_written
 from bentod.record.mcap_file import ChunkAt, DamagedError
 from bentod.record.part_reader import PartReader
 from bentod.record.session import KINDS, Counts, Report
 from bentod.record.tally import Counter
 from bentod.record.wire import encoder
+from bentod.whole_file import sync_folder
 
 ASIDE = ".cut"
 """What is added to the name of the file that was mended."""

@@ -17,7 +17,8 @@ from hypothesis.extra import numpy as hnp
 from bentod.errors import SnapshotError
 from bentod.frames import Value
 from bentod.learn import snapshot_layout as layout
-from bentod.learn.snapshot import MODE, Snapshot, read, sweep_up, taken, write
+from bentod.learn.snapshot import Snapshot, read, taken, write
+from bentod.whole_file import MODE, sweep_up
 
 values: st.SearchStrategy[Value] = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=8),

@@ -10,8 +10,6 @@ The same model makes the same bytes.
 """
 
 import hashlib
-import os
-import tempfile
 from io import BytesIO
 from pathlib import Path
 
@@ -21,15 +19,13 @@ from numpy.typing import NDArray
 from bentod.emg.classify import model_header
 from bentod.emg.classify.model import Model
 from bentod.errors import BentodError, SnapshotError
+from bentod.whole_file import replacing
 
 MAGIC = b"\x89EMG\r\n\x1a\n"
 _START = len(MAGIC) + hashlib.sha256().digest_size
 
 LARGEST = 1 << 30
 """Bytes of a whole file; the nearest neighbours keep every training row."""
-
-MODE = 0o640
-"""Of files: the owner writes, the group reads; how somebody moves is about a person."""
 
 _OWN = "classifier."
 """Begins the names of the classifier's arrays in the archive."""
@@ -55,17 +51,8 @@ def write(path: Path, model: Model) -> int:
     """
     data = content(model)
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".new")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fchmod(file.fileno(), MODE)
-            os.fsync(file.fileno())
-        os.replace(name, path)
-    except BaseException:
-        os.unlink(name)
-        raise
+    with replacing(path) as file:
+        file.write(data)
     return len(data)
 
 

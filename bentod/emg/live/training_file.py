@@ -4,8 +4,6 @@ The arrays are those of a labelled recording (docs/muscles.md), one entry of `le
 `prompted`: what was asked for at each sample, where `labels` tells what was found to be done.
 """
 
-import os
-import tempfile
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -17,9 +15,7 @@ from bentod.emg.classify.labelled import Names, Piece, Recorded
 from bentod.emg.classify.labelled_files import read
 from bentod.emg.live.plan import MOST_VALUES
 from bentod.errors import InputFileError
-
-MODE = 0o640
-"""Of files: how somebody moves is about a person."""
+from bentod.whole_file import replacing
 
 Arrays = Mapping[str, NDArray[np.generic]]
 
@@ -31,17 +27,8 @@ def saved(path: Path, arrays: Arrays) -> None:
         OSError: the disk does not take it.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".new")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            np.savez(file, allow_pickle=False, **dict(arrays))
-            file.flush()
-            os.fchmod(file.fileno(), MODE)
-            os.fsync(file.fileno())
-        os.replace(name, path)
-    except BaseException:
-        os.unlink(name)
-        raise
+    with replacing(path) as file:
+        np.savez(file, allow_pickle=False, **dict(arrays))
 
 
 def add(path: Path, piece: Piece, prompted: Names, rate_hz: float, keep: bool) -> tuple[int, int]:

@@ -8,15 +8,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
-from unittest import mock
 
 from bentod.client import Client
-from bentod.contracts import Clock, EmgConfig
 from bentod.endpoint import RpcError
-from sim import emg
 from sim.clock import VirtualLoop
 from sim.emg import Synthetic
-from tests.rig import Table, number, quiet_config, running, sim_config, table, tables
+from tests.rig import Table, number, opened_sources, quiet_config, running, sim_config, table, tables
 from tests.system.campaign.operator import Operator, operating
 from tests.system.campaign.outcome import Moved
 from tests.system.campaign.truth import TrueArm, true_arms
@@ -193,7 +190,7 @@ async def rigged(
     async with AsyncExitStack() as stack:
         socket = Path(stack.enter_context(TemporaryDirectory()), "bentod.sock")
         arms = stack.enter_context(true_arms("sim.joints"))
-        sources = stack.enter_context(_sources())
+        sources = stack.enter_context(opened_sources())
         said = stack.enter_context(_listening())
         watcher = await stack.enter_async_context(running(config, socket))
         operator = None
@@ -210,22 +207,6 @@ async def _ended(task: asyncio.Task[None]) -> None:
     task.cancel()
     with suppress(asyncio.CancelledError):
         await task
-
-
-@contextmanager
-def _sources() -> Iterator[list[Synthetic]]:
-    """The simulated wearers that a daemon opens."""
-    opened: list[Synthetic] = []
-    open_emg = emg.open_emg
-
-    @asynccontextmanager
-    async def keep(config: EmgConfig, clock: Clock) -> AsyncIterator[Synthetic]:
-        async with open_emg(config, clock) as source:
-            opened.append(source)
-            yield source
-
-    with mock.patch.object(emg, "open_emg", keep):
-        yield opened
 
 
 @contextmanager
