@@ -6,13 +6,14 @@ CONFIG ?= config/sim.toml
 MINUTES ?= 10
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check -qq
-INSTALL := $(PIP) install --constraint constraints.txt --build-constraint constraints.txt --editable .
+PAGE := bentod/dashboard/page
+INSTALL := $(PIP) install --constraint constraints.txt --build-constraint constraints.txt --editable ".[web]"
 
 .DEFAULT_GOAL := help
-.PHONY: run test check audit fuzz bench faults reference clean help
+.PHONY: run test check audit fuzz bench faults page screenshots reference clean help
 
-run: $(VENV)/run.stamp ## start the daemon with a simulated arm (CONFIG=FILE for another)
-	@exec $(BIN)/bentod run --config $(CONFIG)
+run: $(VENV)/run.stamp ## start the daemon with a simulated arm, and its page (CONFIG=FILE for another)
+	@exec $(BIN)/bentod run --dashboard --config $(CONFIG)
 
 test: $(VENV)/test.stamp ## run the tests on all processors (ARGS="-k word" goes to pytest, ARGS="-n 0" uses one)
 	@$(BIN)/python -m pytest --numprocesses auto --dist loadfile $(ARGS)
@@ -39,7 +40,19 @@ bench: $(VENV)/test.stamp ## measure: NAME=core prints a table and writes build/
 reference: $(VENV)/run.stamp ## renew the table of API methods in docs/api.md
 	@$(BIN)/python -m bentod.serve.reference docs/api.md
 
+page: $(PAGE)/node_modules/.stamp ## build the page of the dashboard with node and npm (ARGS=--check: only compare)
+	@cd $(PAGE) && node build.mjs $(ARGS)
+
+screenshots: $(VENV)/test.stamp ## renew the pictures of the page in docs/images (needs Chromium)
+	@$(BIN)/python -m tests.dashboard.screenshots docs/images
+
 BENCHMARKS := $(filter-out __init__ harness test_%,$(notdir $(basename $(wildcard tests/benchmarks/*.py))))
+
+$(PAGE)/node_modules/.stamp: $(PAGE)/package.json $(PAGE)/package-lock.json
+	@command -v npm >/dev/null || { echo "no npm (on Debian: apt install nodejs npm); the page as it is needs none"; exit 1; }
+	@echo "Installing what the page is built from"
+	@cd $(PAGE) && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error
+	@touch $@
 
 clean: ## remove what builds, tests and checks leave behind (the environment stays)
 	@rm -rf build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

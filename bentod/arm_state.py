@@ -10,6 +10,7 @@ from bentod.control.goals import Goals
 from bentod.control.groups import Group, Groups
 from bentod.control.guard import Guard
 from bentod.control.health import Ladder
+from bentod.control.joint_seats import JointSeats
 from bentod.control.journal import Journal
 from bentod.control.leases import Holder
 from bentod.control.limiter import Limiter
@@ -20,6 +21,7 @@ from bentod.control.trials import Trials
 from bentod.emg.live.recogniser import Recogniser
 from bentod.errors import Refused
 from bentod.frames import EmgFrame, GroupFrame, JointSpec, Mode, State, Value, Velocity, Wishes
+from bentod.joystick import Joystick
 from bentod.learn.horde import HasTime
 from bentod.learn.signals import Percept
 from bentod.mind import Mind
@@ -78,7 +80,9 @@ class ArmState:
         self.recency = Recency()
         self.interventions = 0
         """How often joints were stopped, paused, released or had their torque switched, or a fault came."""
+        self.joystick: Joystick | None = None
         self._operators = Operators([group.name for group in groups], OPERATORS)
+        self._seats = JointSeats(self.specs, OPERATORS)
         self._guard = Guard(self.specs, modes, rules.ladder, self.journal)
 
     def begin(self, now: float) -> None:
@@ -156,10 +160,13 @@ class ArmState:
             self.journal.note_seldom("fault", _TORQUE, reason)
         self.fault(reason)
 
-    def operate(self, asked: Mapping[str, Asked]) -> dict[str, Wishes]:
+    def operate(
+        self, asked: Mapping[str, Asked], joints: Mapping[str, Asked] | None = None
+    ) -> dict[str, Wishes]:
         """What each operator may have of what they ask; that ends a goal that they may disturb.
 
-        Who pushes all joints of a group at once asks it of the group's assist, not of a joint.
+        Who pushes all joints of a group at once asks it of the group's assist, not of a joint. `joints`: what
+        they ask of joints by name, rather than of groups.
         """
         self._withdraw()
         taken = [group.name for group in self.groups if self._taken(group)]
@@ -174,11 +181,27 @@ class ArmState:
             wishes[name] = self.groups.wishes(efforts, asked[name].moves)
             if toggles or any(efforts.values()):
                 self.goals.disturb("the wearer moved")
+        for name, by_name in self._seats.decide(joints or {}, self._moved(wishes), self.now).items():
+            wishes[name] = {**wishes.get(name, {}), **by_name}
+            if by_name:
+                self.goals.disturb("the wearer moved")
         return wishes
+
+    def _moved(self, wishes: Mapping[str, Wishes]) -> set[int]:
+        """Joints that nobody drives by name: a client moves them, or their group is driven."""
+        driven = [group for group in self.groups if self._client(group) or self._operators.driver(group.name)]
+        by_groups = {joint for group in driven for joint in self._reached(group)}
+        held = {joint for joint in range(len(self.specs)) if self.clients.holder(joint)}
+        return by_groups | held | {joint for asked in wishes.values() for joint in asked}
+
+    def _reached(self, group: Group) -> Sequence[int]:
+        """Joints that whoever drives a group may move: its active one, or all of them."""
+        whole = group.together or group.name in self.muscles.recognised
+        return group.joints if whole else (group.active,)
 
     def _taken(self, group: Group) -> bool:
         """Whether a client drives a group; where classes move any joint, a lease on any counts."""
-        if self._client(group):
+        if self._client(group) or self._seats.driven(self._reached(group)):
             return True
         joints = group.joints if group.name in self.muscles.recognised else ()
         return any(self.clients.holder(joint) for joint in joints)
@@ -248,6 +271,7 @@ class ArmState:
 
     def _suspend_operators(self, joints: Sequence[int]) -> None:
         """Whoever contracts while `joints` are released must rest once before they move any of them."""
+        self._seats.suspend(joints)
         for group in self.groups:
             if not set(group.joints).isdisjoint(joints):
                 self._operators.suspend(group.name)

@@ -7,6 +7,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from bentod.config_base import Name, Table
+from bentod.config_joystick import Joystick
 from bentod.config_learn import Learn
 from bentod.config_tables import (
     Access,
@@ -20,6 +21,7 @@ from bentod.config_tables import (
     Safety,
     Tcp,
 )
+from bentod.config_voice import Voice
 from bentod.errors import nearest
 
 STOPPED_AFTER = 0.1
@@ -56,10 +58,12 @@ class Config(Table):
     joints: Annotated[tuple[Joint, ...], Field(min_length=1, max_length=32)]
     groups: Annotated[tuple[Group, ...], Field(max_length=16)] = ()
     emg: Emg | None = None
+    joystick: Joystick | None = None
     learn: Learn | None = None
     assist: Assist | None = None
     assists: Annotated[tuple[Assist, ...], Field(max_length=15)] = ()
     """For further groups."""
+    voice: Voice = Voice()
 
     @model_validator(mode="after")
     def _names_exist(self) -> Self:
@@ -130,8 +134,9 @@ def _dangling(config: Config) -> list[str]:
     found = [
         f"{where}: there is no {kind} '{name}'" for where, name, known, kind in uses if name not in known
     ]
+    found += config.joystick.strangers(joints, groups) if config.joystick else []
     found += _assist_without_learning(config) + _too_slow_to_stop(config) + _fooled(config)
-    return found + _unrecognisable(config)
+    return found + _unrecognisable(config) + config.voice.misnamed(joints)
 
 
 def _unrecognisable(config: Config) -> list[str]:

@@ -1,7 +1,7 @@
 """Reading a config file: TOML in, checked values out, every mistake at once."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -23,6 +23,10 @@ class OptionModels(Protocol):
 
     def emg_model(self, name: str) -> type[BaseModel]:
         """Model of the source's table. Raises ConfigError: no such source."""
+        ...
+
+    def joystick_model(self, name: str) -> type[BaseModel]:
+        """Model of the joystick's table. Raises ConfigError: no such source."""
         ...
 
 
@@ -87,19 +91,27 @@ def _override(data: dict[str, object], overrides: Overrides) -> list[str]:
 
 
 def _option_problems(data: Mapping[str, object], models: OptionModels) -> list[str]:
-    """Mistakes in the tables that belong to the drivers and to the EMG source."""
+    """Mistakes in the tables that belong to the drivers and to the sources of EMG and pushes."""
     problems: list[str] = []
     for key, table in _driver_tables(data).items():
         joints = _joints_on(key, data.get("joints"))
         problems += _driver_problems(("drivers", key) if key else ("driver",), table, joints, models)
-    emg = data.get("emg")
-    source = emg.get("source") if isinstance(emg, dict) else None
-    if isinstance(source, dict) and isinstance(source.get("name"), str):
-        try:
-            problems += _check(models.emg_model(source["name"]), _without_name(source), ("emg", "source"))
-        except ConfigError as error:
-            problems.append(f"emg.source.name: {error}")
-    return problems
+    problems += _source_problems("emg", data, models.emg_model)
+    return problems + _source_problems("joystick", data, models.joystick_model)
+
+
+def _source_problems(
+    key: str, data: Mapping[str, object], model: Callable[[str], type[BaseModel]]
+) -> list[str]:
+    """Mistakes in the table of what is opened for the table `key`."""
+    table = data.get(key)
+    source = table.get("source") if isinstance(table, dict) else None
+    if not isinstance(source, dict) or not isinstance(source.get("name"), str):
+        return []
+    try:
+        return _check(model(source["name"]), _without_name(source), (key, "source"))
+    except ConfigError as error:
+        return [f"{key}.source.name: {error}"]
 
 
 def _driver_tables(data: Mapping[str, object]) -> dict[str, Mapping[str, object]]:

@@ -1,5 +1,6 @@
-"""What the daemon expects of clocks, joints, sources of muscle signals, learners and assists."""
+"""What the daemon expects of clocks, joints, muscle signals, joysticks, learners and assists."""
 
+import math
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
@@ -144,6 +145,63 @@ OpenEmg: TypeAlias = Callable[[EmgConfig, Clock], AbstractAsyncContextManager[Em
 Raises:
     ConfigError: an option is unknown, out of bounds or does not fit the device.
     InputFileError: the file or device cannot be used.
+"""
+
+
+class AudioPlayer(Protocol):
+    """What makes sound. No call ever waits: what cannot be heard is dropped, and that is logged once."""
+
+    def play(self, wav: bytes) -> None:
+        """Play a whole WAV file at once; one that still sounds ends."""
+        ...
+
+    def hum(self, source: Callable[[], bytes] | None, rate_hz: int = 0) -> None:
+        """From now on play, besides, what `source` gives: None for nothing.
+
+        `source` is asked for a little at a time, in the loop, and no sooner than it can be heard. It gives
+        samples (mono, 16 bits, the least first, `rate_hz` a second), or nothing while there is silence.
+        """
+        ...
+
+
+OpenAudio: TypeAlias = Callable[[], AbstractAsyncContextManager[AudioPlayer]]
+"""How a player is opened. It is silent at the end, and leaves no process behind.
+
+Where nothing can play sound at all, what is opened plays nothing, and logs why.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Pad:
+    """A joystick or gamepad as it is now."""
+
+    connected: bool = False
+    reason: str = ""  # why it is not connected, as a sentence
+    axes: tuple[float, ...] = ()  # -1..1, by number
+    buttons: tuple[bool, ...] = ()  # whether each is down, by number
+    presses: tuple[int, ...] = ()  # how often each was pressed since the pad was opened
+    openings: int = 0  # how often it was opened so far
+    seen: float = -math.inf  # monotonic s, when it was last certain that this is how it is
+    changed: float = -math.inf  # monotonic s, when the pad last said that something of it has changed
+
+
+class JoystickSource(Protocol):
+    """A joystick or gamepad, which may come and go: whoever was opened looks for it again by itself.
+
+    A button that is down when the pad is opened is no press. Many pads say nothing while nothing changes, so
+    `seen` means that whoever would be told has just asked, and `changed` is all that the pad itself says.
+    """
+
+    def latest(self) -> Pad:
+        """The newest that is known. Never waits and never raises: what is not there is not connected."""
+        ...
+
+
+OpenJoystick: TypeAlias = Callable[[Mapping[str, Value], Clock], AbstractAsyncContextManager[JoystickSource]]
+"""How a source is opened, given its own table. That no pad is plugged in is no error.
+
+Raises:
+    ConfigError: an option is unknown or out of bounds, or a library is missing.
 """
 
 

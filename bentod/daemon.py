@@ -14,7 +14,7 @@ from pathlib import Path
 from bentod import registry
 from bentod.clock import suspended
 from bentod.config import Config
-from bentod.contracts import ArmConfig, Clock, EmgConfig, FaultInjector, Joints
+from bentod.contracts import ArmConfig, Clock, EmgConfig, FaultInjector, Joints, JoystickSource
 from bentod.emg.feed import Feed
 from bentod.emg.live.recogniser import Recogniser
 from bentod.emg.reopening import reopening
@@ -28,8 +28,9 @@ from bentod.mind import Mind
 from bentod.publisher import Publisher
 from bentod.realtime import Upkeep
 from bentod.record.disk import Folder
-from bentod.record.provenance import as_toml, described, folder, limits, new_header
-from bentod.record.recorder import Recorder
+from bentod.record.provenance import as_toml, folder, limits, template
+from bentod.record.session import Header
+from bentod.record.takes import Takes
 from bentod.serve.methods import arm_methods
 from bentod.serve.room import Room
 from bentod.serve.server import Server
@@ -80,12 +81,12 @@ class Daemon:
             joints = await self._open_joints(stack)
             room.injector = joints if isinstance(joints, FaultInjector) else None
             feed = await self._open_feed(stack)
-            desk = furnished(self.config, joints.torque(), feed, mind)
+            desk = furnished(self.config, joints.torque(), feed, mind, await self._open_joystick(stack))
             room.lessons = lessons(self.config, desk.muscles, self.config_file)
-            records = self.config.record.enabled
-            recorder = stack.enter_context(self._recorder(carried, mind)) if records else None
-            room.recording = (lambda: described(recorder.status)) if recorder else None
-            publisher = Publisher(room, server, self.supervisor, self.clock, recorder)
+            takes = room.takes = stack.enter_context(self._takes(mind))
+            if self.config.record.enabled:
+                takes.begin(carried)
+            publisher = Publisher(room, server, self.supervisor, self.clock, takes)
             room.commanded = publisher.commanded
             if feed:
                 feed.heard = publisher.heard
@@ -176,12 +177,19 @@ class Daemon:
         source.lost, source.back, feed.prompt = feed.lost, feed.back, source.prompt
         return feed
 
-    def _recorder(self, carried: bytes, mind: Mind) -> Recorder:
-        """`carried`: the snapshot that the learners of `mind` go on with."""
+    async def _open_joystick(self, stack: AsyncExitStack) -> JoystickSource | None:
+        if self.config.joystick is None:
+            return None
+        chosen = self.config.joystick.source
+        opened = registry.open_joystick(chosen.name)(chosen.options, self.clock)
+        return await stack.enter_async_context(opened)
+
+    def _takes(self, mind: Mind) -> Takes:
+        def common() -> Header:
+            return template(self.config, as_toml(in_effect(self.config, mind)), self.config_file)
+
         table = self.config.record
-        told = as_toml(in_effect(self.config, mind))
-        header = new_header(self.config, told, self.config_file, self.clock, carried)
-        return Recorder(header, Folder(folder(table)), limits(table))
+        return Takes(common, Folder(folder(table)), limits(table), self.clock)
 
 
 @contextmanager

@@ -157,21 +157,24 @@ class Desk(ArmState):
         self._switched(group, who, rest=True)
         return group
 
-    def go_home(self, joints: Sequence[int]) -> int:
+    def go_home(self, joints: Sequence[int], holder: Holder | None = None, lease: float | None = None) -> int:
         """Send joints home; returns the goal's number.
 
         Joints that are paused go too, undisturbed by the wearer, and are paused again afterwards; a homing
-        of released joints ends at the wearer's first sign.
+        of released joints ends at the wearer's first sign. A `lease` (s) ends it unless `holder` renews it.
 
         Raises:
-            Refused: no reading yet, a fault, a joint without torque, or the request may be an old one.
+            Refused: as `Goals.renew` and `begin` do, no reading yet, or the request may be an old one.
         """
         self.recency.require()
         if self.state is None:
             raise Refused("the arm has not been read yet")
+        held = Lease(holder, frozenset(joints), self.now + self._lease(lease)) if holder and lease else None
+        if held and (goal := self.goals.renew(held)):
+            return goal
         specs = {joint: self.specs[joint] for joint in joints}
         self.clients.drop(joints)
-        return self.goals.begin(specs, self.state.joints, self.rules.home_speed, self.now)
+        return self.goals.begin(specs, self.state.joints, self.rules.home_speed, self.now, held)
 
     def pause_muscles(self, on: bool) -> None:
         """Let the wearer's muscles drive nothing, or let them drive again once they have rested.
@@ -212,6 +215,11 @@ class Desk(ArmState):
         trial = self.trials.mark(mark)
         self.mind.rewards.marked(mark)
         return trial
+
+    def mark(self, mark: str, who: str) -> Trial | None:
+        """The same at any time; returns the trial, if one runs."""
+        self.mind.rewards.marked(mark)
+        return self.trials.note(mark, who)
 
     def describe_gvfs(self) -> Value:
         """Every general value function as clients see it. Raises Refused: nothing learns."""

@@ -8,13 +8,13 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from bentod.joystick_frame import JoystickFrame
 from bentod.recognition_frame import RecognitionFrame
 
 Value: TypeAlias = "bool | int | float | str | bytes | list[Value] | dict[str, Value] | None"
 """What a config file or a message can hold."""
 
-Samples: TypeAlias = NDArray[np.float32]
-"""EMG in volts, shape (samples, channels)."""
+Samples: TypeAlias = NDArray[np.float32]  # EMG in volts, shape (samples, channels)
 
 
 class Mode(StrEnum):
@@ -127,8 +127,7 @@ class Position:
     kind: Literal["position"] = "position"
 
 
-Command: TypeAlias = Stop | Velocity | Position
-"""What one joint is told for one tick."""
+Command: TypeAlias = Stop | Velocity | Position  # what one joint is told for one tick
 
 Wishes: TypeAlias = Mapping[int, Command]
 """What one source asks for, by joint index; a joint that is absent is not asked for anything."""
@@ -160,7 +159,7 @@ class JointFrame:
     freshness: Freshness
     errors: tuple[str, ...]
     stop: StopReport | None
-    asked: Mapping[str, Command]  # by source: "client", "home", "emg", "assist"
+    asked: Mapping[str, Command]  # by source: "client", "home", "emg", "joystick", "assist"
     holder: str  # the source that won, with the client's name; empty when nobody asks
     sent: Command | None  # None: nothing was written, the joint is limp or in fault
     limited: str  # which limit made `sent` differ from what was asked, in a word or two; empty if none did
@@ -276,6 +275,7 @@ class Frame:
     whole: bool = True  # False: the tick broke, and tells of its joints what was last known
     learn: LearnFrame = LearnFrame()
     more_assists: tuple[AssistFrame, ...] = ()  # those of other groups, if several are helped with
+    joystick: JoystickFrame | None = None  # None: the config has no such table
 
 
 @dataclass(frozen=True, slots=True)

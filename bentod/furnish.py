@@ -1,10 +1,12 @@
 """The desk as the config wants it: what a daemon and a replay of its recording have in common."""
 
 from collections.abc import Sequence
+from functools import partial
 
 from bentod.arm_state import Rules
 from bentod.config import Config
 from bentod.config_tables import Emg
+from bentod.contracts import JoystickSource
 from bentod.control.groups import Groups
 from bentod.control.health import Ladder
 from bentod.control.modes import Modes
@@ -15,12 +17,19 @@ from bentod.emg.envelopes import LowPass, RootMeanSquare
 from bentod.emg.feed import Feed
 from bentod.emg.live.recogniser import Recogniser
 from bentod.foresight import weighing, with_use
+from bentod.joystick import Joystick
 from bentod.mind import Mind
 from bentod.muscles import Muscles
 from bentod.serve.room import About
 
 
-def furnished(config: Config, torque: Sequence[bool], feed: Feed | None, mind: Mind | None = None) -> Desk:
+def furnished(
+    config: Config,
+    torque: Sequence[bool],
+    feed: Feed | None,
+    mind: Mind | None = None,
+    pads: JoystickSource | None = None,
+) -> Desk:
     """A desk for joints that were found with this torque; `feed`: None without muscle signals.
 
     `mind`: of the same config; left out, one that knows nothing. Raises ConfigError: as `mind_of` does.
@@ -38,7 +47,11 @@ def furnished(config: Config, torque: Sequence[bool], feed: Feed | None, mind: M
         muscles.recognition.fuse = weighing(
             muscles.recognition.table, lambda: None if mind.broken else mind.predictor
         )
-    return Desk(specs, groups, modes, rules, muscles, mind)
+    desk = Desk(specs, groups, modes, rules, muscles, mind)
+    if config.joystick:
+        desk.joystick = Joystick(config.joystick, pads)
+        desk.joystick.tell = partial(desk.journal.note, "joystick")
+    return desk
 
 
 def _muscles(emg: Emg, feed: Feed | None) -> Muscles:
@@ -85,4 +98,5 @@ def about(config: Config) -> About:
         groups={group.name: group.joints for group in config.groups},
         emg=config.emg.source.name if config.emg else "",
         lease_max=config.safety.lease_max_s,
+        voice=config.voice.describe(),
     )

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from bentod.contracts import Clock
 from bentod.frames import ClientCommand, EmgBlock, Event, Frame, Value
-from bentod.record.recorder import Recorder
+from bentod.record.takes import Takes
 from bentod.serve.room import Room
 from bentod.serve.server import Server
 from bentod.supervise import Supervisor
@@ -25,16 +25,16 @@ _LEVELS = {
 
 
 class Publisher:
-    """Nothing here waits. `recorder`: None where nothing is recorded."""
+    """Nothing here waits."""
 
     def __init__(
-        self, room: Room, server: Server, supervisor: Supervisor, clock: Clock, recorder: Recorder | None
+        self, room: Room, server: Server, supervisor: Supervisor, clock: Clock, takes: Takes
     ) -> None:
         self._room = room
         self._server = server
         self._supervisor = supervisor
         self._clock = clock
-        self._recorder = recorder
+        self._takes = takes
         self._status = ""
 
     def publish(self, frame: Frame, events: Sequence[Event], whole: bool) -> None:
@@ -45,7 +45,7 @@ class Publisher:
         for event in (*events, *self._of_recording(frame.time)):
             self._server.publish_event(event)
             self._record(event)
-            _log.log(_LEVELS.get(event.kind, logging.INFO), "%s", event.text)
+            _log.log(_level(event), "%s", event.text)
         if whole:
             self._supervisor.tick(self._clock.now())
         status = f"fault: {frame.fault}" if frame.fault else frame.mode.value
@@ -64,10 +64,14 @@ class Publisher:
         self._record(ClientCommand(self._clock.now(), tick, client, method, params, error))
 
     def _record(self, entry: Frame | EmgBlock | Event | ClientCommand) -> None:
-        if self._recorder:
-            self._recorder.put(entry)
+        self._takes.put(entry)
 
     def _of_recording(self, time: float) -> list[Event]:
         """What the recording has to say (time: monotonic s)."""
-        sentences = self._recorder.take_events() if self._recorder else []
-        return [Event(time, "recording", sentence, {}) for sentence in sentences]
+        return [Event(time, "recording", sentence, {}) for sentence in self._takes.take_events()]
+
+
+def _level(event: Event) -> int:
+    """A recording that was asked for or ended is no news of its own; one that fails is."""
+    asked = event.kind == "recording" and "recording" in event.data
+    return logging.INFO if asked else _LEVELS.get(event.kind, logging.INFO)

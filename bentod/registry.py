@@ -10,7 +10,7 @@ from typing import cast
 
 from pydantic import BaseModel
 
-from bentod.contracts import OpenEmg, OpenJoints, OpenLearner
+from bentod.contracts import OpenAudio, OpenEmg, OpenJoints, OpenJoystick, OpenLearner
 from bentod.contracts_assist import OpenAssist
 from bentod.errors import ConfigError, nearest
 
@@ -26,10 +26,10 @@ class Driver:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Where a source of muscle signals keeps its factory and the model of its table."""
+    """Where a source of muscle signals, or a joystick, keeps its factory and the model of its table."""
 
-    open: str  # OpenEmg
-    options: str  # model of [emg.source]
+    open: str  # OpenEmg, OpenJoystick
+    options: str  # model of [emg.source], [joystick.source]
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +67,12 @@ EMG = {
     "serial": Source("drivers.emg.serial:open_emg", "drivers.emg.serial:Options"),
     "nidaqmx": Source("drivers.emg.nidaqmx_source:open_emg", "drivers.emg.nidaqmx_options:Options"),
     "brainflow": Source("drivers.emg.brainflow_source:open_emg", "drivers.emg.brainflow_options:Options"),
+}
+
+JOYSTICKS = {
+    "linux": Source("drivers.joystick.linux:open_joystick", "drivers.joystick.options:LinuxOptions"),
+    "sdl": Source("drivers.joystick.sdl:open_joystick", "drivers.joystick.options:SdlOptions"),
+    "sim": Source("sim.joystick:open_joystick", "sim.joystick:Options"),
 }
 
 LEARNERS = {
@@ -107,6 +113,9 @@ CLASSIFIERS = {
     ),
 }
 
+PLAYER = "drivers.audio.player:open_player"
+"""OpenAudio: what makes sound, where somebody is to hear it."""
+
 ON_POLICY = frozenset({"true_online", "true_online_5", "tidbd", "autostep", "swifttd"})
 """Learners that do not heed ρ, so that a policy of one's own would mean nothing to them."""
 
@@ -115,6 +124,7 @@ COMMANDS = {
     "check": "bentod.cli.check:check",
     "ctl": "bentod.cli.ctl:ctl",
     "watch": "bentod.cli.watch:watch",
+    "dashboard": "bentod.cli.dashboard:dashboard",
     "doctor": "drivers.dynamixel.doctor.command:doctor",
     "servo": "drivers.dynamixel.provision.command:servo",
     "calibrate": "bentod.cli.calibrating:calibrate",
@@ -124,6 +134,7 @@ COMMANDS = {
     "teach": "bentod.cli.teach:teach",
     "emg": "bentod.cli.emg:emg",
     "lsl": "bentod.cli.lsl:lsl",
+    "voice": "bentod.cli.voice:voice",
     "bench": "bentod.cli.bench:bench",
     "study": "sim.studies.command:study",
     "sim-bus": "sim.bus_process:sim_bus",
@@ -131,10 +142,12 @@ COMMANDS = {
 }
 
 EXTRAS = {
+    "aiohttp": "web",
     "pylsl": "lsl",
     "nidaqmx": "ni",
     "grpc": "ni",
     "brainflow": "brainflow",
+    "pygame": "joy",
     "scipy": "emg",
     "sklearn": "emg",
     "threadpoolctl": "emg",
@@ -144,6 +157,7 @@ EXTRAS = {
 TARGETS = {
     **{f"joints.{name}.{field}": getattr(d, field) for name, d in JOINTS.items() for field in d.__slots__},
     **{f"emg.{name}.{field}": getattr(s, field) for name, s in EMG.items() for field in s.__slots__},
+    **{f"joysticks.{n}.{field}": getattr(s, field) for n, s in JOYSTICKS.items() for field in s.__slots__},
     **{
         f"classifiers.{name}.{field}": getattr(c, field)
         for name, c in CLASSIFIERS.items()
@@ -152,6 +166,7 @@ TARGETS = {
     **{f"assists.{name}": target for name, target in ASSISTS.items()},
     **{f"learners.{name}": target for name, target in LEARNERS.items()},
     **{f"commands.{name}": target for name, target in COMMANDS.items()},
+    "player": PLAYER,
 }
 """Every "module:attribute" above, by what it is for."""
 
@@ -194,10 +209,20 @@ def open_emg(name: str) -> OpenEmg:
     return cast("OpenEmg", resolve(_source(name).open))
 
 
+def open_joystick(name: str) -> OpenJoystick:
+    """The factory of the joystick that `joystick.source.name` chooses. Raises ConfigError: there is none."""
+    return cast("OpenJoystick", resolve(_joystick(name).open))
+
+
 def open_assist(name: str) -> OpenAssist:
     """The factory of the assist that a `mode` chooses. Raises ConfigError: there is none."""
     target = ASSISTS.get(name) or _entry_point("bentod.assists", name, ASSISTS)
     return cast("OpenAssist", resolve(target if ":" in target else f"{target}:open_assist"))
+
+
+def open_player() -> OpenAudio:
+    """The factory of what makes sound on this machine."""
+    return cast("OpenAudio", resolve(PLAYER))
 
 
 def open_learner(name: str) -> OpenLearner:
@@ -217,6 +242,11 @@ def emg_model(name: str) -> type[BaseModel]:
     return _model(_source(name).options)
 
 
+def joystick_model(name: str) -> type[BaseModel]:
+    """Model of a joystick's table. Raises ConfigError: no such source."""
+    return _model(_joystick(name).options)
+
+
 def _model(target: str) -> type[BaseModel]:
     return cast("type[BaseModel]", resolve(target))
 
@@ -233,6 +263,13 @@ def _source(name: str) -> Source:
         return EMG[name]
     module = _entry_point("bentod.inputs", name, EMG)
     return Source(f"{module}:open_emg", f"{module}:Options")
+
+
+def _joystick(name: str) -> Source:
+    if name in JOYSTICKS:
+        return JOYSTICKS[name]
+    module = _entry_point("bentod.inputs", name, JOYSTICKS)
+    return Source(f"{module}:open_joystick", f"{module}:Options")
 
 
 def _entry_point(group: str, name: str, ours: Iterable[str]) -> str:

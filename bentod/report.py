@@ -70,6 +70,7 @@ def frame(stamp: Stamp, desk: Desk, deed: Deed) -> Frame:
         read_at=deed.percept.state.time,
         trial=desk.trials.running,
         learn=desk.mind.frame(),
+        joystick=desk.joystick.frame if desk.joystick else None,
     )
 
 

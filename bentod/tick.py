@@ -12,6 +12,7 @@ from bentod.control.recency import HELD_UP
 from bentod.desk import Desk
 from bentod.errors import BentodError, BusError
 from bentod.frames import Command, Event, Frame, State, Stop, Wishes
+from bentod.hands import operate
 from bentod.inbox import Inbox, Seam
 from bentod.pace import Pace
 from bentod.realtime import Upkeep
@@ -106,7 +107,7 @@ class Controller:
         desk.watch(state, now)
         look = desk.muscles.look(now)
         wishes: dict[str, Wishes] = {
-            **desk.operate({"emg": look.asked}),
+            **operate(desk, look, now),
             "client": desk.clients.wishes(),
             "home": desk.goals.wishes(),
         }

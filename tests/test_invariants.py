@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from bentod.config import Config
 from bentod.control.clients import Clients
+from bentod.control.grips import Grips
 from bentod.frames import Command
 from bentod.serve.session import Session
 from drivers.dynamixel.motion import Goal, JointMotion
@@ -112,6 +113,13 @@ def test_it_is_noticed_when_a_wish_outlives_its_lease(monkeypatch: pytest.Monkey
     monkeypatch.setattr(Clients, "expire", lambda self, now: None)
     watch = _played("servo models", [MOTION, Let(2.0)])
     assert any("no live source" in what for what in watch.broken)
+
+
+def test_it_is_noticed_when_a_homing_outlives_its_lease(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Grips, "expire", lambda self, now: [])
+    away: list[Step] = [MOTION, Let(1.2)]
+    watch = _played("servo models", [*away, Call(0, "go_home", {"lease_s": 0.1}, wait=True), Let(1.0)])
+    assert any("for 'home': no live source" in what for what in watch.broken)
 
 
 def test_it_is_noticed_when_a_joint_is_not_pinned_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:

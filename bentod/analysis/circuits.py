@@ -2,10 +2,11 @@
 
 * A *circuit* is a trial, from the tick at which it starts to the tick at which it stops. Where an
   experimenter marks `circuit` in a trial, each mark ends one circuit and begins the next; what follows the
-  last mark is not a whole circuit and is left out.
+  last mark is not a whole circuit and is left out. So is all of a trial without one that says, by a mark
+  `task`, that its circuits and contacts are marked.
 * A *toggle* is a change of a group's active joint, by whomever, as the events of kind "group" tell.
 * A *contact* is a mark `contact`, or one that begins so: bentod feels no contact itself. In a recording
-  without any such mark nobody knows how many there were, and so the count is None, not 0.
+  without any such mark, nor a mark `task`, nobody knows how many there were: the count is None, not 0.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,7 +17,10 @@ from bentod.frames import Event, Value
 from bentod.record.reader import Recording
 from bentod.record.session import Info, TrialSpan
 
-CIRCUIT, CONTACT = "circuit", "contact"
+CIRCUIT, CONTACT, TASK = "circuit", "contact", "task"
+
+BREAKS = ("paused", "unseen")
+"""Marks that make a circuit's time mean less; it counts, and is remarked."""
 
 PARTICIPANT = ("participant", "subject")
 """Keys of the metadata that name who wears the arm, the first that is there."""
@@ -46,6 +50,8 @@ class _Times:
     toggles: Sequence[float]
     contacts: Sequence[float] | None
     circuits: Sequence[float]
+    tasks: Sequence[float]
+    breaks: Sequence[tuple[float, str]]  # in which somebody was paused, or not seen
     faults: Sequence[float]
 
 
@@ -56,7 +62,7 @@ def circuits(recording: Recording) -> list[Circuit]:
     timescale = setup(header.config).assist_timescale
     found = []
     for span in info.trials:
-        for number, (start, end, whole) in enumerate(_parts(span, times.circuits), 1):
+        for number, (start, end, whole) in enumerate(_parts(span, times), 1):
             contacts = None if times.contacts is None else _within(times.contacts, start, end)
             found.append(
                 Circuit(
@@ -94,10 +100,13 @@ def _active_at_first(recording: Recording) -> dict[str, str]:
 
 def _times(events: Sequence[Event], active: Mapping[str, str]) -> _Times:
     contacts = [event.time for event in events if mark(event).startswith(CONTACT)]
+    tasks = [event.time for event in events if mark(event).split(" ")[0] == TASK]
     return _Times(
         toggles=[event.time for event in switches(events, active)],
-        contacts=contacts or None,
+        contacts=contacts if contacts or tasks else None,
         circuits=[event.time for event in events if mark(event) == CIRCUIT],
+        tasks=tasks,
+        breaks=[(event.time, mark(event)) for event in events if mark(event) in BREAKS],
         faults=[event.time for event in events if event.kind == "fault"],
     )
 
@@ -119,12 +128,13 @@ def switches(events: Sequence[Event], at_first: Mapping[str, str]) -> Iterator[E
             selected[group] = now
 
 
-def _parts(span: TrialSpan, marks: Sequence[float]) -> list[tuple[float, float, bool]]:
+def _parts(span: TrialSpan, times: _Times) -> list[tuple[float, float, bool]]:
     """Start, end, and whether it is whole, of a trial's circuits."""
     start, end = span.start, span.end
-    inside = [time for time in marks if start < time <= end]
+    inside = [time for time in times.circuits if start < time <= end]
     if not inside:
-        return [(start, end, span.ended)]
+        marked = any(start <= time <= end for time in times.tasks)
+        return [(start, end, span.ended and not marked)]
     return list(zip([start, *inside[:-1]], inside, [True] * len(inside), strict=True))
 
 
@@ -136,6 +146,7 @@ def _remark(info: Info, times: _Times, start: float, end: float, whole: bool) ->
     missing = sum(gap.missing for gap in info.tick_gaps if gap.start < end and gap.end > start)
     remarks = [
         "" if whole else "has no end, not counted",
+        *dict.fromkeys(what for time, what in times.breaks if start <= time < end),
         "fault" if _within(times.faults, start, end) else "",
         f"{missing} ticks missing" if missing > 0 else "",
     ]

@@ -118,6 +118,7 @@ class TickColumns:
         found += [*_leaves(Trial, words.TRIAL, "trial."), *_leaves(EmgFrame, words.EMG, "emg.")]
         found += _named("emg.effort.", self._sites, words.EFFORT)
         found.append(_column("emg.recognition", "text", words.RECOGNITION))
+        found.append(_column("joystick", "text", words.JOYSTICK))
         for group in self._groups:
             found += _leaves(GroupFrame, words.GROUP, f"group.{group}.")
             found.append(_column(f"group.{group}.joints", "text", words.JOINTS_OF_GROUP))
@@ -149,6 +150,7 @@ class TickColumns:
         cells += self._by_key("emg.effort", [frame.emg.effort for frame in frames], self._sites, other)
         recognised = [frame.emg.recognition for frame in frames]
         cells.append([as_json(found) if found else "" for found in recognised])
+        cells.append([as_json(frame.joystick) if frame.joystick else "" for frame in frames])
         cells += self._group_cells(frames, other)
         cells += _cells(AssistFrame, [frame.assist for frame in frames])
         cells += _cells(GoalFrame, [frame.goal for frame in frames])
@@ -216,7 +218,7 @@ def _union(keys: Iterable[Iterable[str]]) -> tuple[str, ...]:
 
 _KINDS: Mapping[object, Kind] = {float: "float", int: "int", bool: "bool"}
 _NESTED = frozenset(
-    {"costs", "joints", "emg", "groups", "assist", "goal", "meta", "trial", "effort"}
+    {"costs", "joints", "emg", "groups", "assist", "goal", "meta", "trial", "effort", "joystick"}
     | {"errors", "stop", "asked", "sent", "predictions", "learn", "more_assists", "moving", "recognition"}
 )
 """Fields that are not one value and have columns of another form."""

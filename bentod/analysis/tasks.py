@@ -165,8 +165,9 @@ def sentence(comparison: Comparison) -> str:
 
 HOW = (
     "A circuit is a trial, from the tick at which it started to the tick at which it was stopped, or what "
-    "lies between two marks `circuit` in it. A toggle is a change of a group's active joint, by whomever. A "
-    "contact is a mark `contact`: a recording without any does not tell how many there were."
+    "lies between two marks `circuit` in it; a trial with a mark `task` has no others. A toggle is a change "
+    "of a group's active joint, by whomever. A contact is a mark `contact`: a recording without any, and "
+    "without a mark `task`, does not tell how many there were."
 )
 
 CAVEAT = (

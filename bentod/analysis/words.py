@@ -64,6 +64,8 @@ EMG = {
 
 RECOGNITION = Word("", "JSON of the newest decision of pattern recognition; empty if there is none")
 
+JOYSTICK = Word("", "JSON of the joystick: its axes, and why it moves nothing; empty if there is none")
+
 EFFORT = Word("", "effort of the site, 0..1")
 
 GROUP = {

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import click
 
+from bentod.calibration.measuring import Plan, apply
 from bentod.calibration.muscles import SCATTER, SHARE
-from bentod.cli.calibrating_muscles import Plan, apply, measure
+from bentod.cli.calibrating_muscles import measure
 from bentod.cli.link import ADDRESS, CA_FILE, TOKEN_FILE, Way
 from bentod.cli.site_settings import keep
 from bentod.endpoint import default_socket_path

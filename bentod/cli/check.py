@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from bentod.cli.configs import find, read
+from bentod.cli.joystick_words import explain_joystick
 from bentod.cli.learning_words import sentences
 from bentod.cli.muscle_words import explain_scheme
 from bentod.cli.recognition_words import check_recognition, explain_recognition
@@ -58,6 +59,7 @@ def explain(config: Config, mind: Mind, name: str = "") -> list[str]:
         for joint in config.joints
     ]
     lines += [f"Group {group.name}: {' → '.join(group.joints)}." for group in config.groups]
+    lines += explain_joystick(config.joystick) if config.joystick else []
     return [*lines, *_explain_muscles(config), *_explain_mind(config, mind, name), *_explain_access(config)]
 
 

@@ -1,7 +1,5 @@
 """Where config files are, and how the command line reads them."""
 
-import sys
-import sysconfig
 from pathlib import Path
 
 from bentod import registry
@@ -9,6 +7,7 @@ from bentod.config import Config
 from bentod.config_file import Overrides, load
 from bentod.config_tables import Chosen
 from bentod.errors import ConfigError
+from bentod.shipped import folders
 
 DEFAULT = "sim.toml"
 """What runs when nobody says: the simulated arm."""
@@ -28,12 +27,12 @@ def read(path: Path | None, emg: str = "", port: str = "", record: bool | None =
 
 def find(path: Path) -> Path:
     """`path` itself, or the shipped config that it names. Raises ConfigError: neither exists."""
-    shipped = [folder / path.name for folder in _folders()]
+    shipped = [folder / path.name for folder in folders()]
     candidates = [path, *(shipped if path.name == str(path) else [])]
     for candidate in candidates:
         if candidate.is_file():
             return candidate
-    names = sorted({p.name for folder in _folders() for p in folder.glob("*.toml")})
+    names = sorted({p.name for folder in folders() for p in folder.glob("*.toml")})
     raise ConfigError(f"there is no config file {path} (shipped: {', '.join(names)})")
 
 
@@ -49,10 +48,3 @@ def parse_source(text: str) -> Chosen:
     return Chosen.model_validate(
         {"name": name} | ({"file": file} if file else {}) | ({"array": array} if array else {})
     )
-
-
-def _folders() -> list[Path]:
-    """Beside the checkout, and where the wheel puts them."""
-    shared = Path("share", "bentod", "config")
-    roots = [Path(sysconfig.get_path("data")), Path(sys.prefix)]
-    return [Path(__file__).parents[2] / "config", *(root / shared for root in roots)]

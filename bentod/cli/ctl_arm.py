@@ -45,9 +45,13 @@ def clear_fault(link: Link) -> None:
 @click.command("go-home")
 @click.argument("joints", metavar="[JOINT]...", nargs=-1)
 @click.option("--no-wait", is_flag=True, help="Return once the daemon has accepted.")
+@click.option("--cancel", is_flag=True, help="End a homing that is under way, and pause nothing.")
 @click.pass_obj
-def go_home(link: Link, joints: tuple[str, ...], no_wait: bool) -> None:
-    """Send joints home and show how it goes. Ctrl-C ends the showing, not the going: use `stop`."""
+def go_home(link: Link, joints: tuple[str, ...], no_wait: bool, cancel: bool) -> None:
+    """Send joints home and show how it goes. Ctrl-C ends the showing, not the going: use `--cancel`."""
+    if cancel:
+        _cancel(link, joints)
+        return
     with link.open() as arm:
         arm.call("subscribe", topic="events")
         accepted = arm.call("go_home", joints=several(joints))
@@ -59,6 +63,14 @@ def go_home(link: Link, joints: tuple[str, ...], no_wait: bool) -> None:
             data = show.fields(event.get("data"))
             if event.get("kind") == "goal" and data.get("id") == goal and _has_ended(link, data):
                 return
+
+
+def _cancel(link: Link, joints: tuple[str, ...]) -> None:
+    if joints:
+        raise click.UsageError("--cancel ends the whole homing: give no joints.")
+    with link.open() as arm:
+        was_under_way = arm.call("go_home_cancel")
+    link.show(was_under_way, "cancelled" if was_under_way else "nothing was on its way home")
 
 
 def _events(arm: BlockingClient) -> Iterator[Value]:

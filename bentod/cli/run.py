@@ -15,6 +15,7 @@ import click
 from bentod import logs
 from bentod.activation import passed_socket, path_of
 from bentod.cli.configs import DEFAULT, read
+from bentod.cli.screen import settings_kept
 from bentod.clock import SystemClock
 from bentod.config import Config
 from bentod.daemon import Daemon, environment_supervisor, socket_path
@@ -30,6 +31,7 @@ from bentod.realtime import upkeep
 @click.option("--record/--no-record", default=None, help="Record the session; default: as the config says.")
 @click.option("--ticks", type=click.IntRange(min=0), default=0, help="End by itself after so many ticks.")
 @click.option("--view/--no-view", default=None, help="Live view; default: on a terminal.")
+@click.option("--dashboard/--no-dashboard", default=False, help="Show the arm in a browser, too.")
 @click.option("--log-level", default="INFO", type=click.Choice(["DEBUG", "INFO", "WARNING", "ERROR"]))
 def run(
     config: Path | None,
@@ -39,6 +41,7 @@ def run(
     record: bool | None,
     ticks: int,
     view: bool | None,
+    dashboard: bool,
     log_level: str,
 ) -> None:
     """Run the daemon until Ctrl-C or SIGTERM; the arm is then left as the config says."""
@@ -51,8 +54,11 @@ def run(
             file = _log_file() if shown else None
             stream = stack.enter_context(open(os.devnull, "w", encoding="utf-8")) if shown else None
             stack.enter_context(logs.setup(log_level, stream=stream, file=file))
+            if dashboard:
+                stack.enter_context(_beside(where, file, "dashboard", *(["--quiet"] if shown else [])))
             if shown:
-                stack.enter_context(_viewer(where))
+                stack.enter_context(settings_kept())
+                stack.enter_context(_beside(where, None, "watch"))
             left = asyncio.run(_serve(checked, str(config or DEFAULT), where, ticks, passed))
     except BentodError as error:
         for line in str(error).splitlines():
@@ -69,17 +75,22 @@ async def _serve(config: Config, name: str, socket: Path, ticks: int, passed: so
 
 
 @contextmanager
-def _viewer(socket: Path) -> Iterator[None]:
-    """The live view, as a process and a client of its own: a terminal that is stuck cannot delay a tick."""
-    command = [sys.executable, "-m", "bentod", "watch", "--socket", os.fspath(socket)]
-    with subprocess.Popen(command) as viewer:  # noqa: S603 -- our own program
+def _beside(socket: Path, log: Path | None, *words: str) -> Iterator[None]:
+    """A process and a client of its own: a terminal or a page that is stuck cannot delay a tick.
+
+    `log`: where its complaints go; None: to the terminal.
+    """
+    command = [sys.executable, "-m", "bentod", *words, "--socket", os.fspath(socket)]
+    with ExitStack() as stack:
+        complaints = stack.enter_context(open(log, "ab")) if log else None
+        client = stack.enter_context(subprocess.Popen(command, stderr=complaints))  # noqa: S603 -- our own
         try:
             yield
         finally:
-            viewer.terminate()
+            client.terminate()
             with suppress(subprocess.TimeoutExpired):
-                viewer.wait(timeout=1.0)
-            viewer.kill()  # a terminal that nobody reads must not keep the daemon
+                client.wait(timeout=1.0)
+            client.kill()  # a terminal that nobody reads must not keep the daemon
 
 
 def _log_file() -> Path:

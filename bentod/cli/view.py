@@ -1,153 +1,87 @@
 """The live view as lines of text: what the arm does, why, and what it expects. Pure; `watch` draws it."""
 
-import math
-import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from bentod.frames import Value
+from bentod.cli.telling import printable
+from bentod.cli.view_joints import Range, joint_rows
+from bentod.cli.view_session import (
+    assist_lines,
+    goal_lines,
+    group_lines,
+    health_lines,
+    muscle_lines,
+    recording_lines,
+    trial_lines,
+)
+from bentod.cli.view_style import BOLD, DIM, OFF, RED, cut
+from bentod.cli.view_values import Table, number, text
 
 WIDTH = 100
-"""Columns that the view needs."""
-
-_COLOUR = re.compile(r"(\x1b\[[0-9;]*m)")
-_BOLD, _DIM, _RED, _OFF = "\x1b[1m", "\x1b[2m", "\x1b[31;1m", "\x1b[0m"
-
-Table = Mapping[str, Value]
+"""Columns that the whole view needs; with fewer, velocities are left out."""
 
 
 @dataclass(frozen=True, slots=True)
-class Range:
-    """A joint's limits, rad."""
+class Aside:
+    """What stands beside the frame."""
 
-    minimum: float
-    maximum: float
+    recording: Table = field(default_factory=dict)  # as `get_recording` tells it; empty: nobody knows
+    group: str = ""  # that keys are for
+    page: str = ""  # where the page is; empty: this user serves none
+    foot: Sequence[str] = ()  # the last lines, whatever room there is
+
+
+NOTHING = Aside()
+
+
+def screen(
+    frame: Table,
+    ranges: Mapping[str, Range],
+    events: Sequence[str],
+    aside: Aside,
+    width: int,
+    height: int,
+) -> list[str]:
+    """One frame in a window: events as there is room, the newest last, and the foot always."""
+    foot = [cut(line, width) for line in aside.foot[:height]]
+    above = [cut(line, width) for line in _body(frame, ranges, aside, width)][: height - len(foot)]
+    room = height - len(foot) - len(above) - 1
+    told = [cut(line, width) for line in _told(events)][-room:] if room > 0 else []
+    filled = [*above, *([""] if told else []), *told]
+    return [*filled, *[""] * (height - len(foot) - len(filled)), *foot]
 
 
 def lines(frame: Table, ranges: Mapping[str, Range], events: Sequence[str]) -> list[str]:
-    """One frame as the lines of a screen; `events`: the latest sentences, oldest first."""
-    joints = [_table(joint) for joint in _list(frame, "joints")]
-    selected = {name for group in _list(frame, "groups")[:1] for name in _selected(_table(group))}
-    screen = [
+    """One frame where there is room for all of it; `events`: the latest sentences, oldest first."""
+    return [cut(line, WIDTH) for line in [*_body(frame, ranges, NOTHING, WIDTH), "", *_told(events)]]
+
+
+def _body(frame: Table, ranges: Mapping[str, Range], aside: Aside, width: int) -> list[str]:
+    return [
         *_head(frame),
-        f"{_DIM}    joint               angle  {'':21}     velocity  mode      expected  moved by{_OFF}",
-        *(_joint(joint, ranges, _text(joint, "name") in selected) for joint in joints),
+        *joint_rows(frame, ranges, aside.group, width),
         "",
-        *_muscles(frame),
-        *_assist(frame),
-        *_goal(frame),
-        "",
-        *(f"{_DIM}  {_printable(event)}{_OFF}" for event in events),
+        *group_lines(frame, aside.group),
+        *muscle_lines(frame),
+        *assist_lines(frame),
+        *goal_lines(frame),
+        *health_lines(frame),
+        *recording_lines(aside.recording),
+        *trial_lines(frame),
+        *([f"  page      {aside.page}"] if aside.page else []),
     ]
-    return [_cut(line) for line in screen]
 
 
 def _head(frame: Table) -> list[str]:
-    mode, fault = _text(frame, "mode").upper(), _text(frame, "fault")
-    late = _number(frame, "lateness") * 1e3
+    mode, fault = text(frame, "mode").upper(), text(frame, "fault")
+    late = number(frame, "lateness") * 1e3
     return [
-        f"  {_RED if fault else _BOLD}{mode:<8}{_OFF}"
-        f"   tick {_number(frame, 'tick'):.0f}   {_number(frame, 'rate_hz'):g} Hz"
-        f"   late {late:5.2f} ms   missed {_number(frame, 'missed'):.0f}",
-        f"  {_RED}{fault}{_OFF}" if fault else "",
+        f"  {RED if fault else BOLD}{mode:<8}{OFF}"
+        f"   tick {number(frame, 'tick'):.0f}   {number(frame, 'rate_hz'):g} Hz"
+        f"   late {late:5.2f} ms   missed {number(frame, 'missed'):.0f}",
+        f"  {RED}{fault}{OFF}" if fault else "",
     ]
 
 
-def _joint(joint: Table, ranges: Mapping[str, Range], selected: bool) -> str:
-    name = _text(joint, "name")
-    position, velocity = _number(joint, "position"), _number(joint, "velocity")
-    predictions = [_as_number(value) for value in _table(joint["predictions"]).values()]
-    expected = predictions[-1] if predictions else math.nan
-    mark = f"{_BOLD}▸{_OFF}" if selected else " "
-    freshness = _text(joint, "freshness")
-    why = _text(joint, "holder") if freshness == "fresh" else f"{freshness} {_number(joint, 'age'):.1f} s"
-    return (
-        f"  {mark} {name:<18} {_degrees(position)}  {_bar(position, expected, ranges.get(name))}"
-        f"  {_degrees(velocity)}/s  {_text(joint, 'mode'):<8}  {_degrees(expected)}  {why}"
-    )
-
-
-def _bar(position: float, expected: float, limits: Range | None, width: int = 21) -> str:
-    """Where the joint is (●) and is expected to be (○) between its limits."""
-    cells = ["·"] * width
-    for value, sign in ((expected, "○"), (position, "●")):
-        if limits and math.isfinite(value):
-            share = (value - limits.minimum) / (limits.maximum - limits.minimum)
-            cells[min(max(round(share * (width - 1)), 0), width - 1)] = sign
-    return "".join(cells)
-
-
-def _muscles(frame: Table) -> list[str]:
-    emg = _table(frame["emg"])
-    problem = _text(emg, "problem")
-    if problem:
-        return [f"  muscles   {_RED}{problem}{_OFF}"]
-    sites = "   ".join(f"{site} {_gauge(_as_number(v))}" for site, v in _table(emg["effort"]).items())
-    paused = "   (paused)" if emg["paused"] else ""
-    return [f"  muscles   {sites}   toggles {_number(emg, 'toggles'):.0f}{paused}"]
-
-
-def _gauge(effort: float, width: int = 10) -> str:
-    full = round(effort * width)
-    return "█" * full + "░" * (width - full)
-
-
-def _selected(group: Table) -> list[str]:
-    return [str(j) for j in _list(group, "joints")] if group.get("together") else [_text(group, "active")]
-
-
-def _assist(frame: Table) -> list[str]:
-    """What helps, and with what all at once may be done: a cue at any moment (thesis 5.6.6)."""
-    assist = _table(frame["assist"])
-    told = [f"  assist    {_text(assist, 'reason')}"]
-    if any(_table(group).get("together") for group in _list(frame, "groups")):
-        return [*told, f"  {_BOLD}together  push to go on, pull to go back, toggle to leave{_OFF}"]
-    return [*told, "  together  may be selected"] if assist.get("offers_together") else told
-
-
-def _goal(frame: Table) -> list[str]:
-    if frame["goal"] is None:
-        return []
-    goal = _table(frame["goal"])
-    reason = f": {_text(goal, 'reason')}" if goal["reason"] else ""
-    return [f"  {_text(goal, 'kind'):<9} {_text(goal, 'status')} {_number(goal, 'progress'):.0%}{reason}"]
-
-
-def _degrees(radians: float) -> str:
-    return f"{math.degrees(radians):+7.1f}°" if math.isfinite(radians) else "      – "
-
-
-def _table(value: Value) -> Table:
-    return value if isinstance(value, dict) else {}
-
-
-def _list(table: Table, key: str) -> list[Value]:
-    value = table.get(key)
-    return value if isinstance(value, list) else []
-
-
-def _text(table: Table, key: str) -> str:
-    return _printable(str(table.get(key, "")))
-
-
-def _printable(text: str) -> str:
-    """`text` without what would steer the terminal: a client chooses its own name."""
-    return "".join(letter if letter.isprintable() else "?" for letter in text)
-
-
-def _cut(line: str) -> str:
-    """`line` with no more than WIDTH visible columns; colours take none."""
-    kept, columns = [], 0
-    for part in _COLOUR.split(line):
-        shown = part if _COLOUR.fullmatch(part) else part[: WIDTH - columns]
-        columns += 0 if _COLOUR.fullmatch(part) else len(shown)
-        kept.append(shown)
-    return "".join(kept)
-
-
-def _number(table: Table, key: str) -> float:
-    return _as_number(table.get(key))
-
-
-def _as_number(value: Value) -> float:
-    return float(value) if isinstance(value, int | float) else math.nan
+def _told(events: Sequence[str]) -> list[str]:
+    return [f"{DIM}  {printable(event)}{OFF}" for event in events]

@@ -3,8 +3,11 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from bentod.control import homing
+from bentod.control.grips import Grip, Grips
 from bentod.control.homing import Homing
+from bentod.control.leases import Lease
 from bentod.control.modes import Modes
+from bentod.errors import Refused
 from bentod.frames import GoalFrame, JointSpec, JointState, Mode, Wishes
 
 
@@ -13,12 +16,17 @@ class Goals:
 
     Joints that were paused when a goal began move for it all the same, undisturbed by the wearer, and are
     paused again when it ends.
+
+    A goal may be leased: its client renews it by asking again, and it ends when that client falls silent or
+    is gone. One that was cancelled does not begin anew by being renewed, or a stop would undo itself as long
+    as somebody holds a button: the client must let go first.
     """
 
     def __init__(self, modes: Modes, tell: Callable[[GoalFrame], None]) -> None:
         self._modes = modes
         self._tell = tell
         self._goal: Homing | None = None
+        self._grips = Grips()
         self._count = 0
 
     @property
@@ -27,9 +35,16 @@ class Goals:
         return self._goal.frame if self._goal else None
 
     def begin(
-        self, specs: Mapping[int, JointSpec], joints: Sequence[JointState], speed: float, now: float
+        self,
+        specs: Mapping[int, JointSpec],
+        joints: Sequence[JointState],
+        speed: float,
+        now: float,
+        lease: Lease[frozenset[int]] | None = None,
     ) -> int:
         """Send the joints of `specs` home at `speed` (rad/s); returns the goal's number.
+
+        It ends with its `lease`, if it has one and that is not renewed.
 
         Raises:
             Refused: a fault, or a joint without torque.
@@ -41,10 +56,35 @@ class Goals:
         self._count += 1
         self._goal = homing.begin(self._count, specs, joints, speed, now, paused)
         self._tell(self._goal.frame)
+        if lease:
+            self._grips.take(self._count, lease)
         return self._count
 
+    def renew(self, lease: Lease[frozenset[int]]) -> int | None:
+        """Keep the goal that the same client holds of the same joints for as long as `lease`.
+
+        Returns its number, also when it is done already; None: these joints are not held.
+
+        Raises:
+            Refused: it was cancelled, and the client has not let go since.
+        """
+        grip, goal = self._grips.renew(lease), self._goal
+        if grip is None:
+            return None
+        cause = goal.frame.reason if goal and goal.frame.id == grip.goal else "another goal came"
+        if cause:
+            raise Refused(f"goal {grip.goal} was cancelled ({cause}): let go before you ask for it again")
+        return grip.goal
+
+    def let_go(self, session: int, why: str) -> None:
+        """A client holds no goal any more: it said so, or it vanished."""
+        if grip := self._grips.release(session):
+            self._cancel_held(grip, why)
+
     def advance(self, joints: Sequence[JointState], now: float) -> None:
-        """Take in a reading."""
+        """Take in a reading, at a time (monotonic s) when leases may have run out."""
+        for grip in self._grips.expire(now):
+            self._cancel_held(grip, "its lease ran out")
         if self._goal and self._goal.running:
             self._change(self._goal, self._goal.advanced(joints, now))
 
@@ -73,6 +113,10 @@ class Goals:
     def wishes(self) -> Wishes:
         """What the running goal asks."""
         return self._goal.wishes() if self._goal and self._goal.running else {}
+
+    def _cancel_held(self, grip: Grip, why: str) -> None:
+        if self._goal and self._goal.frame.id == grip.goal:
+            self.cancel(why)
 
     def _change(self, old: Homing, new: Homing) -> None:
         self._goal = new

@@ -47,6 +47,13 @@ class Trials:
         self._note(trial, f"marked: {mark}", mark)
         return trial
 
+    def note(self, mark: str, who: str) -> Trial | None:
+        """Note something that happened, in the trial if one runs, else for itself; returns that trial."""
+        if self.running:
+            return self.mark(mark)
+        self._journal.note("mark", f"{who} marked: {mark}", {"mark": mark})
+        return None
+
     def _current(self) -> Trial:
         if self.running is None:
             raise Refused("no trial is running")

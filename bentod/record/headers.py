@@ -42,6 +42,7 @@ def write_header(container: Container, header: Header, time: int) -> None:
             "started": repr(header.started),
             "started_wall": repr(header.started_wall),
             "config_name": header.config_name,
+            "note": header.note,
         },
     )
 
@@ -73,6 +74,7 @@ def read_header(
         part=int(session["part"]),
         urdf=_text(attachments.get(URDF, b"")),
         learned=attachments.get(LEARNED, b""),
+        note=session.get("note", ""),
     )
 
 

@@ -6,6 +6,7 @@ import secrets
 import shutil
 import subprocess
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -15,10 +16,9 @@ from bentod.config import Config
 from bentod.config_tables import Record
 from bentod.contracts import Clock
 from bentod.errors import ConfigError
-from bentod.frames import Value
 from bentod.record.disk import GB, Budget, default_folder, session_name
 from bentod.record.scribe import Limits
-from bentod.record.session import SCHEMA, Header, Status
+from bentod.record.session import SCHEMA, Header
 
 _PACKAGES = ("bentod", "numpy", "mcap", "protobuf", "zstandard")
 
@@ -26,21 +26,23 @@ _PATIENCE = 2.0  # s that git may take
 
 
 def new_header(config: Config, text: str, name: str, clock: Clock, learned: bytes = b"") -> Header:
-    """The header of a session that begins now; `text` and `name` are those of the config file.
+    """The header of a session that begins now, as `template` and `begun` make it."""
+    return begun(template(config, text, name), clock, learned=learned)
 
-    `learned`: the snapshot that its learners go on with.
 
-    It starts git, so it belongs before the first tick.
+def template(config: Config, text: str, name: str) -> Header:
+    """What all sessions with a config have in common; `text` and `name` are those of its file.
+
+    It starts git, so it belongs before the first tick, or into a thread.
 
     Raises:
         ConfigError: the robot's description cannot be read.
     """
-    wall = clock.wall()
     return Header(
-        session=session_name(wall, secrets.randbits(16)),
+        session="",
         schema=SCHEMA,
-        started=clock.now(),
-        started_wall=wall,
+        started=0.0,
+        started_wall=0.0,
         arm=config.arm,
         rate_hz=config.rate_hz,
         joints=tuple(joint.spec() for joint in config.joints),
@@ -48,25 +50,21 @@ def new_header(config: Config, text: str, name: str, clock: Clock, learned: byte
         config_name=name,
         versions=versions(),
         urdf=_urdf(config.record.urdf),
-        learned=learned,
+    )
+
+
+def begun(common: Header, clock: Clock, note: str = "", learned: bytes = b"") -> Header:
+    """The header of a session that begins now; `learned`: the snapshot that its learners go on with."""
+    wall = clock.wall()
+    session = session_name(wall, secrets.randbits(16))
+    return replace(
+        common, session=session, started=clock.now(), started_wall=wall, note=note, learned=learned
     )
 
 
 def as_toml(config: Config) -> str:
     """What the config says in effect, with every default and what the command line replaced."""
     return tomlkit.dumps(config.model_dump(mode="json", exclude_none=True))
-
-
-def described(status: Status) -> Value:
-    """How a recording goes, as clients see it."""
-    return {
-        "file": str(status.file or ""),
-        "bytes": status.bytes,
-        "waiting": status.waiting,
-        "written": status.written.total,
-        "dropped": status.dropped.total,
-        "problem": status.problem,
-    }
 
 
 def folder(table: Record, environment: Mapping[str, str] = os.environ) -> Path:

@@ -48,6 +48,7 @@ class Recorder:
         self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
         self._wake = threading.Lock()
         self._wake.acquire()
+        self._opened = threading.Event()
         self._closing = False
         self._given = 0.0  # bytes; written by the loop only
         self._taken = 0.0  # bytes; written by the thread only
@@ -85,8 +86,17 @@ class Recorder:
             waiting=len(self._queue),
             written=scribe.written,
             dropped=self._lost + self._left + scribe.dropped,
-            problem=self._stuck or scribe.problem,
+            problem=self.problem,
         )
+
+    @property
+    def problem(self) -> str:
+        """Why nothing is recorded any more; empty while it records."""
+        return self._stuck or self._scribe.problem
+
+    def wait_until_open(self, patience: float) -> bool:
+        """Wait up to `patience` (s) for the first file, or for a `problem`; whether either has come."""
+        return self._opened.wait(patience)
 
     def close(self, patience: float = CLOSING) -> None:
         """Write what was put and end the file, within `patience` (s): a dead disk keeps nobody."""
@@ -149,6 +159,7 @@ class Recorder:
         scribe = self._scribe
         try:
             scribe.open()
+            self._opened.set()
             closing = False
             while not closing:
                 self._wake.acquire(timeout=PATIENCE)
@@ -158,6 +169,7 @@ class Recorder:
             scribe.finish()
         except Exception as error:  # noqa: BLE001 -- a disk can fail in any way; the arm does not care
             scribe.fail(error)
+            self._opened.set()
             self._discard()
 
     def _drain(self, pause: bool) -> None:

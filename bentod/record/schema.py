@@ -24,6 +24,7 @@ from bentod.frames import (
     Trial,
     Velocity,
 )
+from bentod.joystick_frame import JoystickFrame
 from bentod.recognition_frame import RecognitionFrame
 from bentod.record.field import Field, Kind, Message
 from bentod.record.session import SCHEMA, Counts, Gap, Mark, Report, Tally
@@ -172,6 +173,17 @@ TABLE = (
         ),
     ),
     Message(
+        "JoystickFrame",
+        (JoystickFrame,),
+        (
+            Field(1, "connected", B),
+            Field(2, "paused", B),
+            Field(3, "problem", T),
+            Field(4, "held", B),
+            Field(5, "axes", Kind.NUMBERS),
+        ),
+    ),
+    Message(
         "Frame",
         (Frame,),
         (
@@ -197,6 +209,7 @@ TABLE = (
             Field(20, "whole", B),
             Field(21, "learn", Kind.ONE, "LearnFrame"),
             Field(22, "more_assists", Kind.MANY, "AssistFrame"),
+            Field(23, "joystick", Kind.MAYBE, "JoystickFrame"),
         ),
     ),
     Message(

@@ -38,6 +38,7 @@ class Header:
     part: int = 1  # from 1; a session is split by size and by time
     urdf: str = ""  # the robot's description, if the config names one
     learned: bytes = b""  # the snapshot that the learners went on with, in the first part
+    note: str = ""  # of whoever began it
 
     def log_time(self, time: float) -> int:
         """`time` (monotonic s, not nan) as ns since the epoch, had nobody set the clock since the start.

@@ -140,13 +140,13 @@ class Relearner:
             told = {key: event.data[key] for key in keys}
             group = event.data.get("group")
             self._mind.change(told, group if isinstance(group, str) else None)
-        elif event.kind in ("reward", "trial"):
+        elif event.kind in ("reward", "trial", "mark"):
             self._please(event.data)
         elif event.kind == "learn":
             self._ask(event.data)
 
     def _please(self, told: Mapping[str, Value]) -> None:
-        """What was rewarded, or marked in a trial."""
+        """What was rewarded, or marked."""
         reward, group = told.get("reward"), told.get("group")
         if isinstance(reward, int | float):
             self._mind.rewards.give(float(reward), group if isinstance(group, str) else None)

@@ -15,7 +15,7 @@ from bentod.furnish import about, furnished, mind_of
 from bentod.inbox import Answer, Inbox
 from bentod.mind import Mind
 from bentod.replay.player import FASTEST, Player, Source, Span
-from bentod.serve.methods import arm_methods
+from bentod.serve.methods import arm_methods, lister
 from bentod.serve.params import Flag, Number
 from bentod.serve.peers import Role
 from bentod.serve.room import Room
@@ -57,8 +57,8 @@ class Stage:
         self._room = Room(self._inbox, about(config))
         self.player = Player(tape, span, clock, self._publish)
         methods = {name: self._shown(method) for name, method in arm_methods(self._room).items()}
-        keys = table(observer=(self.replay_get,), operator=self._keys())
-        self.server = Server({**methods, **keys}, socket)
+        methods |= table(observer=(self.replay_get, lister(methods)), operator=self._keys())
+        self.server = Server(methods, socket)
 
     async def replay_get(self, session: Session) -> Value:
         """Where the replay is: position and duration (s), speed, whether it is paused and begins again."""

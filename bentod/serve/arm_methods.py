@@ -6,6 +6,7 @@ from typing import Annotated
 
 from bentod.control.arbiter import OPERATORS
 from bentod.control.leases import Holder
+from bentod.desk import Desk
 from bentod.errors import BadRequest, Refused
 from bentod.frames import Command, JointSpec, Mode, Position, Stop, Value, Velocity
 from bentod.messages import Packed, pack
@@ -17,10 +18,14 @@ Speed = Annotated[
     float | None, Number("rad/s", -10, 10, "signed velocity, or top speed towards the position")
 ]
 Angle = Annotated[float | None, Number("rad", -6.3, 6.3, "position to go to, within the joint's limits")]
+GoalLease = Annotated[
+    float | None, Number("s", 0.05, 10, "cancelled this long after the last call that renews it; nil: never")
+]
 
 RESERVED = frozenset(
     {*Mode, *OPERATORS, "client", "home", "assist", "dpcc", "operator", "observer", "everyone", "nobody"}
     | {"the wearer", "wearer", "the daemon", "daemon", "the end of the daemon", "bentod", "the arm", "root"}
+    | {"the joystick"}
 )
 """Names that frames, events and the log give to others than clients."""
 
@@ -92,12 +97,15 @@ class ArmMethods:
                     "max_rad": joint.maximum,
                     "max_velocity_rad_s": joint.max_velocity,
                     "home_rad": joint.home,
+                    "warm_c": joint.bounds.warm,
+                    "hot_c": joint.bounds.hot,
                 }
                 for joint in about.joints
             ],
             "groups": {name: list(joints) for name, joints in about.groups.items()},
             "emg": about.emg,
             "lease_max_s": about.lease_max,
+            "voice": dict(about.voice),
             "faults": list(self._room.injector.faults()) if self._room.injector else [],
         }
 
@@ -168,14 +176,25 @@ class ArmMethods:
             raise Refused(why)
         return None
 
-    async def go_home(self, session: Session, joints: Joints = None) -> Value:
+    async def go_home(self, session: Session, joints: Joints = None, lease_s: GoalLease = None) -> Value:
         """Send joints home as a goal; returns its number. Events "goal" tell its progress and its end.
 
         Paused joints go home undisturbed and are paused again there. Released joints go home too, but the
-        wearer's first sign, another wish, `stop` or `pause` cancels the goal.
+        wearer's first sign, another wish, `stop` or `pause` cancels the goal. With a lease it is also
+        cancelled when its client is gone, or silent for that long: the same call renews it, and returns the
+        same number. What was cancelled is not begun anew by renewing it: be silent for one lease first.
         """
-        answer = await self._room.inbox.ask(lambda desk: desk.go_home(desk.select(joints)))
+        holder = Holder(session.id, session.client)
+        self._room.attach(session)
+        answer = await self._room.inbox.ask(lambda desk: desk.go_home(desk.select(joints), holder, lease_s))
         return {"goal": answer.result}
+
+    async def go_home_cancel(self, session: Session) -> Value:
+        """Cancel the goal under way; joints are then as they were before it. Returns whether there was one.
+
+        Whoever held the goal with a lease and cancels it may ask for another at once.
+        """
+        return (await self._room.inbox.ask(lambda desk: _cancelled(desk, session))).result
 
     async def move(
         self,
@@ -195,6 +214,13 @@ class ArmMethods:
         self._room.attach(session)
         await self._room.inbox.ask(lambda desk: desk.move(index, command, holder, lease_s))
         return None
+
+
+def _cancelled(desk: Desk, session: Session) -> bool:
+    running = desk.goals.running
+    desk.goals.cancel(f"cancelled by {session.client}")
+    desk.goals.let_go(session.id, "it was let go")
+    return running
 
 
 def _command(spec: JointSpec, velocity: float | None, position: float | None) -> Command:

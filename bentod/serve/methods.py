@@ -9,6 +9,7 @@ from bentod.frames import Value
 from bentod.messages import Packed, pack
 from bentod.serve.arm_methods import ArmMethods
 from bentod.serve.emg_methods import EmgMethods
+from bentod.serve.joystick_methods import JoystickMethods
 from bentod.serve.learning_methods import LearningMethods
 from bentod.serve.peers import Role
 from bentod.serve.room import Room
@@ -23,13 +24,15 @@ def arm_methods(room: Room) -> dict[str, Method]:
     arm, tuning, sitting = ArmMethods(room), TuningMethods(room), SessionMethods(room)
     learning, emg = LearningMethods(room), EmgMethods(room)
     methods: dict[str, Method] = {}
-    looking = (_lister(methods), *_looking(arm, tuning, sitting), learning.gvf_list, emg.emg_classes)
+    looked_up = (learning.gvf_list, emg.emg_classes, JoystickMethods(room).joystick_get)
+    looking = (lister(methods), *_looking(arm, tuning, sitting), *looked_up)
     moving = (*_moving(arm, tuning, sitting), *_teaching(learning), *_recognising(emg))
     methods |= table(observer=looking, operator=moving)
     return {name: _told(entry, room) for name, entry in methods.items()}
 
 
-def _lister(methods: Mapping[str, Method]) -> Handler:
+def lister(methods: Mapping[str, Method]) -> Handler:
+    """The method that describes `methods` as they are when it is first called."""
     described = cache(lambda: Packed(pack([method.describe() for method in methods.values()])))
 
     async def list_methods(session: Session) -> Packed:
@@ -64,6 +67,7 @@ def _moving(arm: ArmMethods, tuning: TuningMethods, sitting: SessionMethods) -> 
         arm.torque,
         arm.clear_fault,
         arm.go_home,
+        arm.go_home_cancel,
         arm.move,
         tuning.group_command,
         tuning.group_toggle,
@@ -76,6 +80,9 @@ def _moving(arm: ArmMethods, tuning: TuningMethods, sitting: SessionMethods) -> 
         sitting.trial_start,
         sitting.trial_mark,
         sitting.trial_stop,
+        sitting.mark,
+        sitting.recording_start,
+        sitting.recording_stop,
         tuning.inject,
     )
 

@@ -1,11 +1,12 @@
 """What every method of the API works with: the inbox, and what does not change while the daemon runs."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Annotated
+from dataclasses import dataclass, field
+from typing import Annotated, Protocol
 
 from bentod.contracts import FaultInjector
 from bentod.control.groups import Group
+from bentod.desk import Desk
 from bentod.emg.live.lessons import Lessons
 from bentod.errors import BadRequest, nearest
 from bentod.frames import Frame, JointSpec, Value
@@ -31,6 +32,23 @@ class About:
     groups: Mapping[str, tuple[str, ...]]
     emg: str  # name of the source; empty when there is none
     lease_max: float  # s
+    voice: Mapping[str, Value] = field(default_factory=dict)  # [voice] of the config, for whoever speaks
+
+
+class Takes(Protocol):
+    """What records, one file after the other."""
+
+    async def start(self, note: str) -> None:
+        """Record into a new file. Raises Refused: the disk does not take it, or another is on its way."""
+        ...
+
+    async def stop(self) -> None:
+        """End the recording, its file whole. Raises Refused: nothing is recorded, or as `start` does."""
+        ...
+
+    def describe(self) -> dict[str, Value]:
+        """How the newest recording goes, or went."""
+        ...
 
 
 class Room:
@@ -43,8 +61,8 @@ class Room:
         """The arm as something to break on purpose, if it is simulated."""
         self.newest: Frame | None = None
         """The frame of the last tick; the daemon keeps it up to date."""
-        self.recording: Callable[[], Value] | None = None
-        """How the recording goes, if there is one."""
+        self.takes: Takes | None = None
+        """What records; None where nothing ever does."""
         self.lessons: Lessons | None = None
         """Where models of muscle signals are trained and kept, if they are recognised."""
         self.commanded: Callable[[str, str, Value, str], None] = lambda *_: None
@@ -77,4 +95,9 @@ class Room:
 
     def _vanish(self, session: int) -> None:
         self._attached.discard(session)
-        self.inbox.post(lambda desk: desk.clients.vanish(session))
+        self.inbox.post(lambda desk: _forget(desk, session))
+
+
+def _forget(desk: Desk, session: int) -> None:
+    desk.clients.vanish(session)
+    desk.goals.let_go(session, "its client is gone")

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import hypot
 
+from bentod.tasks.corridor import measured
 from sim.people.scene import Point, Way, moved
 
 CENTRE: tuple[Point, ...] = ((0.0, 0.0), (0.0, 0.06), (-0.22, 0.36), (-0.28, 0.36))
@@ -174,19 +175,7 @@ class Maze:
 
     def _along(self, position: Point) -> tuple[float, float, float]:
         """How far `position` is along the centre line (which goes on at its ends) and off it; its length."""
-        x, y = self._mirror(position)
-        nearest, along, before = 1e9, 0.0, 0.0
-        for i, ((ax, ay), (bx, by)) in enumerate(pairwise(CENTRE)):
-            dx, dy = bx - ax, by - ay
-            length = hypot(dx, dy)
-            share = ((x - ax) * dx + (y - ay) * dy) / (length * length)
-            low, high = (-1.0 if i == 0 else 0.0), (2.0 if i == len(CENTRE) - 2 else 1.0)
-            share = min(max(share, low), high)
-            off = hypot(x - ax - share * dx, y - ay - share * dy)
-            if off < nearest:
-                nearest, along = off, before + share * length
-            before += length
-        return along, nearest, before
+        return measured(CENTRE, self._mirror(position))
 
 
 def _spot(along: float) -> Point:

@@ -112,6 +112,23 @@ def test_marks_divide_a_trial_into_circuits_and_the_rest_is_none(tmp_path: Path)
     assert (one.number, two.number, one.toggles, two.toggles) == (1, 2, 0, 1)
 
 
+def test_a_task_that_is_given_up_in_its_first_circuit_has_no_whole_one(tmp_path: Path) -> None:
+    (circuit,) = found(tmp_path, [*trial(10, 39, 60), marked(10, "task waypoints")])
+    assert (circuit.whole, circuit.contacts) == (False, 0)
+
+
+def test_a_circuit_in_which_the_arm_was_paused_counts_and_says_so(tmp_path: Path) -> None:
+    entries: list[Entry] = [
+        *trial(10, 59, 80),
+        marked(10, "task maze"),
+        *(marked(tick, "paused") for tick in (12, 14)),
+        marked(20, "circuit"),
+        marked(21, "unseen"),
+        marked(45, "circuit"),
+    ]
+    assert [circuit.remark for circuit in found(tmp_path, entries)] == ["paused", "unseen"]
+
+
 def test_a_trial_that_never_ends_is_shown_and_not_counted(tmp_path: Path) -> None:
     (circuit,) = found(tmp_path, trial(10, 60, 60))
     assert not circuit.whole

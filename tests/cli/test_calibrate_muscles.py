@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from bentod.calibration.measuring import Plan, apply
 from bentod.cli.calibrating import calibrate
-from bentod.cli.calibrating_muscles import Plan, apply, measure
+from bentod.cli.calibrating_muscles import measure
 from bentod.cli.ctl import ctl
 from bentod.client import Client
 from bentod.config import Config

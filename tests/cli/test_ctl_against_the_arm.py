@@ -173,6 +173,23 @@ def test_what_is_wrong_with_a_request_is_told_in_one_line_with_exit_code_2(
     assert told in failed(ask(*words), 2)
 
 
+def test_a_homing_is_cancelled_and_pauses_nothing(arm: BlockingClient, ask: Ctl) -> None:
+    done(ask("move", "wrist_flexion", "--velocity", "0.8", "--for", "0.6"))
+    done(ask("go-home", "--no-wait"))
+    assert done(ask("go-home", "--cancel")) == "cancelled\n"
+    assert done(ask("go-home", "--cancel")) == "nothing was on its way home\n"
+    assert set(modes(arm).values()) == {"active"}
+    assert "give no joints" in ask("go-home", "gripper", "--cancel").stderr
+
+
+def test_recordings_are_shown_begun_ended_and_marked(ask: Ctl) -> None:
+    assert "recording: yes" in done(ask("recording")).splitlines()
+    assert "note: P01" in done(ask("recording", "start", "--note", "P01")).splitlines()
+    done(ask("mark", "door opened"))
+    assert "recording: no" in done(ask("recording", "stop")).splitlines()
+    assert failed(ask("recording", "stop"), 1) == "Error: nothing is recorded"
+
+
 def test_groups_are_listed_toggled_and_set(ask: Ctl) -> None:
     assert done(ask("activate", "hand", "gripper")) == "active: gripper\ntogether: no\n"
     assert done(ask("toggle", "hand")) == "active: wrist_rotation\ntogether: no\n"

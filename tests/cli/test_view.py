@@ -7,7 +7,8 @@ from dataclasses import replace
 import pytest
 
 from bentod.cli.show import state_text
-from bentod.cli.view import WIDTH, Range, lines
+from bentod.cli.view import WIDTH, Aside, lines, screen
+from bentod.cli.view_joints import Range
 from bentod.frames import (
     AssistFrame,
     Costs,
@@ -17,7 +18,9 @@ from bentod.frames import (
     GoalFrame,
     GroupFrame,
     JointFrame,
+    LearnFrame,
     Mode,
+    Trial,
 )
 from bentod.framing import Limits
 from bentod.messages import Decoder, Notification, encode_notification
@@ -70,7 +73,7 @@ FRAME = Frame(
 
 def received(frame: Frame) -> Table:
     """The frame as a client gets it."""
-    decoder = Decoder(Limits(size=2**20))
+    decoder = Decoder(Limits(size=2**20, items=2**16))
     decoder.feed(encode_notification("state", [frame]))
     message = next(decoder)
     assert isinstance(message, Notification)
@@ -93,7 +96,7 @@ def row(joint: JointFrame, ranges: Mapping[str, Range] = RANGES) -> str:
 
 
 def bar(joint: JointFrame, ranges: Mapping[str, Range] = RANGES) -> str:
-    found = re.search(r"[·●○]{21}", row(joint, ranges))
+    found = re.search(r"[·●○]{17}", row(joint, ranges))
     assert found
     return found[0]
 
@@ -147,12 +150,12 @@ def test_a_state_in_words_says_what_is_selected_and_what_the_assist_does() -> No
 @pytest.mark.parametrize(
     ("position", "expected", "cells"),
     [
-        (-1.0, 1.0, "●···················○"),
-        (0.0, 0.1, "··········●○·········"),
-        (0.5, 0.5, "···············●·····"),
-        (-7.0, 7.0, "●···················○"),
-        (0.0, float("nan"), "··········●··········"),
-        (float("nan"), 0.0, "··········○··········"),
+        (-1.0, 1.0, "●···············○"),
+        (0.0, 0.1, "········●○·······"),
+        (0.5, 0.5, "············●····"),
+        (-7.0, 7.0, "●···············○"),
+        (0.0, float("nan"), "········●········"),
+        (float("nan"), 0.0, "········○········"),
     ],
 )
 def test_the_bar_shows_where_a_joint_is_and_is_expected_between_its_limits(
@@ -162,7 +165,7 @@ def test_the_bar_shows_where_a_joint_is_and_is_expected_between_its_limits(
 
 
 def test_the_bar_of_a_joint_of_unknown_limits_is_empty() -> None:
-    assert bar(JOINT, ranges={}) == "·" * 21
+    assert bar(JOINT, ranges={}) == "·" * 17
 
 
 def test_a_joint_that_is_not_predicted_has_a_dash() -> None:
@@ -261,3 +264,82 @@ def test_no_line_is_wider_than_the_view_whatever_is_told_about_the_arm() -> None
         goal=GoalFrame(9, "go_home", "cancelled", 0.999, "not there in time, 0.123 rad are left"),
     )
     assert max(len(line) for line in seen(crowded, long, long)) <= WIDTH
+
+
+def window(
+    frame: Frame, *events: str, aside: Aside | None = None, width: int = 80, height: int = 24
+) -> list[str]:
+    """What is left of a window's lines on a screen."""
+    shown = screen(received(frame), RANGES, events, aside or Aside(foot=["said", "keys"]), width, height)
+    return [ESCAPE.sub("", line) for line in shown]
+
+
+def test_how_sure_an_expectation_is_stands_beside_it() -> None:
+    sure = LearnFrame(
+        confidence={"shoulder_rotation.position@20": 0.774, "shoulder_rotation.position@10": 0.9}
+    )
+    shown = seen(replace(FRAME, joints=(JOINT,), learn=sure))[3]
+    assert "+28.6°  77%  emg" in shown
+
+
+def test_each_group_says_what_is_active_in_it_and_who_moves_it_how_much() -> None:
+    assert line_of(FRAME, "arm") == "  arm       shoulder rotation   +60% by emg"
+    idle = replace(FRAME, groups=(replace(FRAME.groups[0], operator="", effort=0.0),))
+    assert line_of(idle, "arm") == "  arm       shoulder rotation   nobody moves it"
+
+
+def test_the_hottest_joint_and_whoever_is_silent_are_told() -> None:
+    hot = replace(JOINT, name="gripper", temperature=61.4, voltage=11.6, freshness=Freshness.LOST)
+    told = line_of(replace(FRAME, joints=(JOINT, hot)), "health")
+    assert told == "  health    hottest gripper 61 °C   supply 11.6 V   silent: gripper"
+
+
+def test_the_trial_that_runs_is_shown_with_its_time() -> None:
+    running = replace(FRAME, trial=Trial(3, "circuit", "dpcc", FRAME.time - 83.0))
+    assert line_of(running, "trial") == "  trial     3 (circuit, dpcc)   1:23"
+
+
+@pytest.mark.parametrize(
+    ("told", "shown"),
+    [
+        ({}, ""),
+        ({"recording": False, "problem": ""}, "  recording ■ nothing is recorded"),
+        ({"recording": False, "problem": "The disk is full."}, "  recording ■ The disk is full."),
+        (
+            {
+                "recording": True,
+                "problem": "",
+                "file": "/a/b.mcap",
+                "bytes": 2.5e6,
+                "dropped": 0,
+                "duration_s": 3725.0,
+            },
+            "  recording ● 1:02:05   2.5 MB   nothing lost   b.mcap",
+        ),
+        (
+            {"recording": True, "problem": "", "file": "b.mcap", "bytes": 0, "dropped": 7, "duration_s": 5.0},
+            "  recording ● 0:05   0.0 MB   7 entries lost   b.mcap",
+        ),
+    ],
+)
+def test_the_recording_is_told_with_what_is_missing_from_it(told: Table, shown: str) -> None:
+    found = [line for line in window(FRAME, aside=Aside(recording=told)) if line.startswith("  recording")]
+    assert "".join(found) == shown
+
+
+def test_a_small_window_keeps_the_joints_and_the_keys_and_the_newest_events() -> None:
+    five = replace(
+        FRAME, joints=tuple(replace(JOINT, name=f"joint_{n}", holder="client:page") for n in range(5))
+    )
+    shown = window(five, *(f"event {n}" for n in range(30)), width=80, height=24)
+    assert len(shown) == 24
+    assert max(map(len, shown)) <= 80
+    assert shown[-3:] == ["  event 29", "said", "keys"]
+    assert sum("client:pag" in line for line in shown) == 5
+
+
+@pytest.mark.parametrize(("width", "height"), [(20, 5), (1, 1), (40, 10), (200, 60)])
+def test_a_window_of_any_size_is_filled_and_not_more(width: int, height: int) -> None:
+    shown = window(FRAME, "event", width=width, height=height)
+    assert len(shown) == height
+    assert max(map(len, shown)) <= width

@@ -150,13 +150,16 @@ def _verbs(api: Api) -> st.SearchStrategy[Step]:
     names = st.sampled_from(list(api.names("joint")))
     some = st.none() | names | st.lists(names, min_size=1, max_size=3)
     switches = st.fixed_dictionaries({"joints": some, "on": st.booleans()})
-    homes = st.fixed_dictionaries({"joints": some})
+    held = st.none() | st.floats(0.05, 1.0)
+    homes = st.fixed_dictionaries({"joints": some, "lease_s": held})
     waits = st.booleans()
     return st.one_of(
         st.builds(Call, _client(), st.sampled_from(("pause", "torque")), switches, waits),
         st.builds(Call, _client(), st.sampled_from(("pause", "torque")), switches, waits),
         st.builds(Call, _client(), st.just("go_home"), homes, waits),
-        st.builds(Call, _client(), st.sampled_from(("stop", "clear_fault")), st.just([]), waits),
+        st.builds(
+            Call, _client(), st.sampled_from(("stop", "clear_fault", "go_home_cancel")), st.just([]), waits
+        ),
         st.builds(Call, _client(), st.just("emg_pause"), st.fixed_dictionaries({"on": st.booleans()}), waits),
     )
 

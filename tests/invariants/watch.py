@@ -93,6 +93,7 @@ class Watch:
     broken: list[str] = field(default_factory=list)
     leases: list[Lease] = field(default_factory=list)
     speakers: list[Speaker] = field(default_factory=list)
+    homings: dict[int, tuple[Speaker, float]] = field(default_factory=dict)  # by goal: whose, until when (s)
     left: dict[str, float] = field(default_factory=dict)  # names of clients that vanished, and when
     emg_broken: float = math.inf  # since when (s)
     switched: float = -math.inf  # when torque, or that errors be cleared, was last asked for (s)
@@ -190,7 +191,7 @@ class Watch:
                 # A fault that arises after the write has taken the lease, and its client's name with it.
                 return self._leased(str(joint["name"]), who, now) or (not who and joint["mode"] == "fault")
             case "home":
-                return bool(frame["goal"]) and table(frame["goal"])["status"] in ("accepted", "moving")
+                return bool(frame["goal"]) and self._goes_home(table(frame["goal"]), now)
             case "emg":
                 emg = table(frame["emg"])
                 alive = emg["alive"] is True and emg["paused"] is False
@@ -206,6 +207,11 @@ class Watch:
             lease.joint == joint and who in lease.speaker.names and lease.begin <= now < lease.end
             for lease in self.leases
         )
+
+    def _goes_home(self, goal: Table, now: float) -> bool:
+        """Whether a goal is under way, and its lease, if it has one, has not run out."""
+        _, end = self.homings.get(round(number(goal, "id")), (None, math.inf))
+        return goal["status"] in ("accepted", "moving") and now < end
 
     def _driven(self, joint: Table, frame: Table) -> bool:
         """Whether an operator drives another joint."""
@@ -245,6 +251,8 @@ class Watch:
                 self._revoke(speaker, given.get("joints"), now)
             case "go_home":
                 self._revoke(speaker, given.get("joints"), now)
+                goal = round(number(table(response.result), "goal"))
+                self.homings[goal] = (speaker, _end(given.get("lease_s"), now, math.inf))
 
     def vanished(self, speaker: Speaker, now: float) -> None:
         """A client is gone, or was given up by the daemon."""
@@ -252,6 +260,9 @@ class Watch:
         for lease in self.leases:
             if lease.speaker is speaker:
                 lease.end = min(lease.end, now + FAREWELL)
+        for goal, (owner, end) in self.homings.items():
+            if owner is speaker and end < math.inf:
+                self.homings[goal] = (owner, min(end, now + FAREWELL))
 
     def _time(self, asked: Asked) -> float:
         return asked.done.get_loop().time()
@@ -269,9 +280,7 @@ class Watch:
         return {}
 
     def _grant(self, speaker: Speaker, joint: str, given: Table, now: float) -> None:
-        lease = given.get("lease_s")
-        seconds = min(float(lease), 2.0) if isinstance(lease, int | float) else 0.2
-        self.leases.append(Lease(speaker, joint, now, now + seconds))
+        self.leases.append(Lease(speaker, joint, now, _end(given.get("lease_s"), now, 0.2)))
 
     def _revoke(self, speaker: Speaker, joints: Value, now: float) -> None:
         """Wishes end, but what another client was granted in the same tick may have come after this."""
@@ -314,6 +323,11 @@ class Watch:
             if fault == "id_clash":
                 seen.excused = on
                 seen.may_move(now)
+
+
+def _end(lease: Value, now: float, missing: float) -> float:
+    """When a lease runs out (s); `missing`: what one that was not given is (s)."""
+    return now + (min(float(lease), 2.0) if isinstance(lease, int | float) else missing)
 
 
 def _moving(joint: Table) -> bool:

@@ -138,3 +138,12 @@ async def test_the_command_compares_with_other_parameters(folder: Path) -> None:
         CliRunner().invoke, replay, [str(folder), "--learn", "--set", "learn.step_sise=0.1"]
     )
     assert (wrong.exit_code, "step_size" in wrong.output) == (1, True)
+
+
+async def test_a_player_is_told_by_its_methods(folder: Path) -> None:
+    async with playing(folder) as (_, client, _recording):
+        told = await client.call("list_methods")
+    assert isinstance(told, list)
+    names = [str(table(method)["name"]) for method in told]
+    assert {"move", "replay_get", "replay_seek"} < set(names)
+    assert len(names) == len(set(names))

@@ -56,6 +56,7 @@ def test_an_observer_can_look_and_ask_to_stop_and_nothing_else() -> None:
         "get_recording",
         "gvf_list",
         "emg_classes",
+        "joystick_get",
     }
 
 

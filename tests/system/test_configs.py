@@ -62,6 +62,7 @@ def test_the_configs_that_readers_are_told_of_are_shipped() -> None:
     assert SHIPPED == [
         "bento.toml",
         "clinic.toml",
+        "joystick.toml",
         "myo.toml",
         "nexting.toml",
         "patterns.toml",

@@ -1,0 +1,1 @@
+"""Sound, through whatever program plays it on this machine."""

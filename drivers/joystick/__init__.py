@@ -1,0 +1,1 @@
+"""Joysticks and gamepads: through the Linux kernel, or through SDL."""
