@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from bentod.arm_state import ArmState, shortened
 from bentod.control.clients import Push
+from bentod.control.grips import Hold
 from bentod.control.groups import Group
 from bentod.control.leases import Holder, Lease
 from bentod.emg.live.collection import Collection
@@ -157,11 +158,11 @@ class Desk(ArmState):
         self._switched(group, who, rest=True)
         return group
 
-    def go_home(self, joints: Sequence[int], holder: Holder | None = None, lease: float | None = None) -> int:
-        """Send joints home; returns the goal's number.
+    def go_home(self, joints: Sequence[int], hold: Hold | None = None) -> int:
+        """Send joints home, or hold the goal that does so already; returns its number.
 
         Joints that are paused go too, undisturbed by the wearer, and are paused again afterwards; a homing
-        of released joints ends at the wearer's first sign. A `lease` (s) ends it unless `holder` renews it.
+        of released joints ends at the wearer's first sign. One that is on `hold` ends when that is over.
 
         Raises:
             Refused: as `Goals.renew` and `begin` do, no reading yet, or the request may be an old one.
@@ -169,9 +170,9 @@ class Desk(ArmState):
         self.recency.require()
         if self.state is None:
             raise Refused("the arm has not been read yet")
-        held = Lease(holder, frozenset(joints), self.now + self._lease(lease)) if holder and lease else None
-        if held and (goal := self.goals.renew(held)):
-            return goal
+        held = Lease(hold.holder, frozenset(joints), self.now + self._lease(hold.lease)) if hold else None
+        if hold and held and (known := self.goals.renew(held, hold.goal)):
+            return known
         specs = {joint: self.specs[joint] for joint in joints}
         self.clients.drop(joints)
         return self.goals.begin(specs, self.state.joints, self.rules.home_speed, self.now, held)
@@ -188,7 +189,7 @@ class Desk(ArmState):
                 self._operators.suspend_all()
         if on and self.muscles.recognition:
             self.muscles.recognition.cancel("EMG was paused.")
-        self.muscles.paused = on
+        self.muscles.pause(on)
         self.journal.note("emg", f"EMG {'paused' if on else 'released'}")
 
     def collect(self, collection: Collection) -> None:
@@ -255,8 +256,6 @@ class Desk(ArmState):
     def describe_groups(self) -> Value:
         """The groups as clients see them."""
         return self.groups.describe()
-
-    # Names and bounds.
 
     def _must_bear_a_pause(self) -> int:
         """Changing what is asked takes long where much is asked: ticks are then missed.

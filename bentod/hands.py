@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 
 from bentod.config_joystick import Button
+from bentod.control.grips import Hold
 from bentod.control.leases import Holder, Lease
 from bentod.desk import Desk
 from bentod.errors import BentodError, Refused
@@ -56,7 +57,7 @@ _VERBS: Mapping[str, Callable[[Desk, Button], object]] = {
     "pause": lambda desk, button: desk.pause(_joints(desk, button), True),
     "release": lambda desk, button: desk.pause(_joints(desk, button), False),
     "torque": lambda desk, button: desk.torque(_joints(desk, button), button.on),
-    "home": lambda desk, button: desk.go_home(_joints(desk, button), HOLDER, HOME_LEASE),
+    "home": lambda desk, button: desk.go_home(_joints(desk, button), Hold(HOLDER, HOME_LEASE)),
     "stop": lambda desk, button: desk.stop(NAME),
     "mark": lambda desk, button: desk.mark(button.mark, NAME),
 }

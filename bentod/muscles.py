@@ -59,6 +59,7 @@ class Muscles:
     ) -> None:
         """By default the mean absolute value, over `window` samples, of signals as they come."""
         self.paused = False
+        self._pauses = 0
         self.tell: Callable[[str, Mapping[str, Value]], None] = lambda *_: None
         """Told of leads that come off or are on again: a sentence and its data."""
         self.recognition: Recogniser | None = None
@@ -112,6 +113,11 @@ class Muscles:
         frame = self._frame(feed, now, told, not problem, efforts)
         look = Look(self._by_group(efforts) if obeyed else {}, on, frame, back, tense)
         return self._with_classes(look, now, problem, obeyed) if self.recognition else look
+
+    def pause(self, on: bool) -> None:
+        """Let them drive nothing, or let them drive; counted, so that nobody undoes what others asked."""
+        self.paused = on
+        self._pauses += 1
 
     def recognise(self, recogniser: Recogniser) -> None:
         """Let classes of contractions move what they are meant to, besides what sites drive."""
@@ -196,6 +202,7 @@ class Muscles:
         single: list[Value] = [one.model_dump() for one in self._single_sites]
         return {
             "paused": self.paused,
+            "pauses": self._pauses,
             "rate_hz": rate,
             "sites": sites,
             "pairs": pairs,

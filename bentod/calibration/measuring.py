@@ -65,7 +65,7 @@ Told = Callable[[Step], None]
 async def measure(arm: Arm, plan: Plan, told: Told) -> list[Setting]:
     """What each site should be set to; nothing is set yet. The muscles drive nothing meanwhile.
 
-    However this ends, EMG is paused afterwards if it was before, and only then.
+    However this ends, EMG is paused afterwards if it was before, or somebody else asked for it meanwhile.
 
     Raises:
         ConfigError: there is no such site.
@@ -114,12 +114,13 @@ def _toggles(described: Mapping[str, Value]) -> set[str]:
 @asynccontextmanager
 async def _quiet(arm: Arm) -> AsyncIterator[None]:
     """While entered, the muscles drive nothing."""
-    was = bool(_fields(await arm.call("emg_get")).get("paused"))
+    was = _fields(await arm.call("emg_get"))
     await arm.call("emg_pause", on=True)
+    own = _fields(await arm.call("emg_get")).get("pauses")
     try:
         yield
     finally:
-        if not was:
+        if not was.get("paused") and _fields(await arm.call("emg_get")).get("pauses") == own:
             await arm.call("emg_pause", on=False)
 
 

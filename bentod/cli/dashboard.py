@@ -13,7 +13,7 @@ from bentod.cli.link import ADDRESS, CA_FILE, TOKEN_FILE, Way
 from bentod.dashboard.doorkeeper import Tokens
 from bentod.dashboard.extra import Serve, load_server
 from bentod.dashboard.keeper import USELESS, Keeper, own_command, read_tokens
-from bentod.dashboard.page_file import announced, links, told
+from bentod.dashboard.page_file import Links, announced, links, told_links
 from bentod.dashboard.place import Place, listener
 from bentod.endpoint import default_socket_path
 from bentod.errors import BentodError
@@ -40,7 +40,7 @@ _FILE = click.Path(path_type=Path)
 @click.option("--observer-token", type=_FILE, help="The same for those who only look.")
 @click.option("--urdf", type=_FILE, help="Shape of another arm than the Bento Arm.")
 @click.option("--quiet", is_flag=True, help="Do not print the page's address; `bentod watch` shows it.")
-@click.option("--where", is_flag=True, help="Print the address of the page that is being served, and end.")
+@click.option("--where", is_flag=True, help="Print the addresses of the page that is being served, and end.")
 @click.option("--listener", "descriptor", type=int, hidden=True, help="Of the keeper's socket.")
 def dashboard(
     socket: str | None,
@@ -80,20 +80,20 @@ def dashboard(
 
 
 def _keep(place: Place, found: sockets.socket, way: Way, tokens: Tokens, quiet: bool) -> int:
-    with announced(way.address, links(place.address, tokens).operator):
-        ready = (lambda: None) if quiet else (lambda: _say(place, tokens))
+    page = links(place.address, tokens)
+    with announced(way.address, page):
+        ready = (lambda: None) if quiet else (lambda: _say(page))
         return Keeper(own_command(_arguments(place, way)), found.fileno(), tokens, ready).run()
 
 
 def _tell(way: Way) -> None:
-    link = told(way.address)
-    if not link:
+    page = told_links(way.address)
+    if page is None:
         raise click.ClickException("This user serves no page of that daemon: bentod dashboard begins to.")
-    click.echo(link)
+    _say(page)
 
 
-def _say(place: Place, tokens: Tokens) -> None:
-    page = links(place.address, tokens)
+def _say(page: Links) -> None:
     click.echo(f"The page is at {page.operator}")
     click.echo(f"To look only:   {page.observer}")
 

@@ -37,7 +37,7 @@ HELP = (
     ("a", "assist off, and on again"),
     ("r", "record, or end the recording (asks back)"),
     ("m", "mark this moment"),
-    ("?", "these keys, or not"),
+    ("?", "these keys; any key closes them, and does only that"),
     ("q", "leave; the arm goes on as it is"),
 )
 
@@ -68,6 +68,7 @@ class Hands:
     _group: int = 0
     _unsure: tuple[Ask, float] | None = None  # what must be confirmed, and until when (monotonic s)
     _pressed: dict[str, float] = field(default_factory=dict)
+    _closer: str = ""  # the key that closed the help; as long as it is held it does nothing else
     _goal: int | None = None
     _modes: dict[str, str] = field(default_factory=dict)  # of assists that were switched off, by group
 
@@ -83,8 +84,10 @@ class Hands:
         self._pressed[key] = now
         unsure, self._unsure = self._unsure, None
         if key in STOPS:
-            self.homing, self.said = False, "stop"
+            self.homing, self.help, self.said = False, False, "stop"
             return [Ask("stop")]
+        if self._closes_help(key, since):
+            return []
         if self.homing:
             self.quits = key == "q"
             return [] if key == "h" and since < BEGINS_TO_REPEAT else self._let_go()
@@ -99,7 +102,16 @@ class Hands:
         elif key in _ACTING:
             self.said = self._may_not()
             return [] if self.said else _ACTING[key](self, now, held)
+        else:
+            self.said = "nothing is to be confirmed" if key == "y" else "no such key: ? lists them"
         return []
+
+    def _closes_help(self, key: str, since: float) -> bool:
+        """Whether `key`, pressed `since` s after it was last, does no more than close what hides the arm."""
+        held = key == self._closer and since < BEGINS_TO_REPEAT
+        self._closer = key if self.help or held else ""
+        self.help = False
+        return self._closer != ""
 
     def see(self, frame: Table) -> None:
         """Look at a new frame."""
@@ -112,6 +124,7 @@ class Hands:
     def lose(self, why: str) -> None:
         """There is no daemon any more, and so nothing that was begun."""
         self.frame, self.homing, self.recording, self._unsure, self.said = None, False, False, None, why
+        self.help = False
 
     def renewals(self) -> list[Ask]:
         """What must be asked again, so that it goes on."""
@@ -151,7 +164,7 @@ class Hands:
         self.said = f"arrows and Tab are for {self.group or 'nothing: there is no group'}"
 
     def _turn_help(self) -> None:
-        self.help = not self.help
+        self.help = True
 
     # What acts (now: monotonic s; held: the key repeats by itself).
 

@@ -1,5 +1,6 @@
 """The live view as lines of text: what the arm does, why, and what it expects. Pure; `watch` draws it."""
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -58,7 +59,8 @@ def lines(frame: Table, ranges: Mapping[str, Range], events: Sequence[str]) -> l
 
 def _body(frame: Table, ranges: Mapping[str, Range], aside: Aside, width: int) -> list[str]:
     return [
-        *_head(frame),
+        _head(frame),
+        *_fault(frame, width, bool(aside.group)),
         *joint_rows(frame, ranges, aside.group, width),
         "",
         *group_lines(frame, aside.group),
@@ -72,15 +74,24 @@ def _body(frame: Table, ranges: Mapping[str, Range], aside: Aside, width: int) -
     ]
 
 
-def _head(frame: Table) -> list[str]:
+def _head(frame: Table) -> str:
     mode, fault = text(frame, "mode").upper(), text(frame, "fault")
     late = number(frame, "lateness") * 1e3
-    return [
+    return (
         f"  {RED if fault else BOLD}{mode:<8}{OFF}"
         f"   tick {number(frame, 'tick'):.0f}   {number(frame, 'rate_hz'):g} Hz"
-        f"   late {late:5.2f} ms   missed {number(frame, 'missed'):.0f}",
-        f"  {RED}{fault}{OFF}" if fault else "",
-    ]
+        f"   late {late:5.2f} ms   missed {number(frame, 'missed'):.0f}"
+    )
+
+
+def _fault(frame: Table, width: int, keys: bool) -> list[str]:
+    """Why the arm does not move, in two lines at most, and the way back; else an empty line."""
+    fault = text(frame, "fault")
+    if not fault:
+        return [""]
+    told = textwrap.wrap(fault, max(width - 2, 20), max_lines=2, placeholder=" …")
+    back = "p" if keys else "bentod ctl pause off"
+    return [*(f"  {RED}{line}{OFF}" for line in told), f"  → bentod ctl clear-fault, then {back}"]
 
 
 def _told(events: Sequence[str]) -> list[str]:

@@ -60,15 +60,18 @@ class Goals:
             self._grips.take(self._count, lease)
         return self._count
 
-    def renew(self, lease: Lease[frozenset[int]]) -> int | None:
+    def renew(self, lease: Lease[frozenset[int]], number: int | None = None) -> int | None:
         """Keep the goal that the same client holds of the same joints for as long as `lease`.
 
-        Returns its number, also when it is done already; None: these joints are not held.
+        Returns its number, also when it is done already; None: these joints are not held. `number`: of the
+        goal that is meant, and no other.
 
         Raises:
-            Refused: it was cancelled, and the client has not let go since.
+            Refused: it was cancelled, and the client has not let go since; or it is not the one meant.
         """
         grip, goal = self._grips.renew(lease), self._goal
+        if number is not None and (grip is None or grip.goal != number):
+            raise Refused(f"goal {number} is not held any more, and asking for it does not begin another")
         if grip is None:
             return None
         cause = goal.frame.reason if goal and goal.frame.id == grip.goal else "another goal came"

@@ -2,7 +2,16 @@
 
 from dataclasses import dataclass, replace
 
-from bentod.control.leases import Lease
+from bentod.control.leases import Holder, Lease
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """How a client asks for a goal that ends with it."""
+
+    holder: Holder
+    lease: float  # s
+    goal: int | None = None  # number of the one that is meant; None: this may begin one
 
 
 @dataclass(frozen=True, slots=True)

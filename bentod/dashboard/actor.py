@@ -24,9 +24,22 @@ class Actor:
         self._arm: Client | None = None
         self._over = False
 
-    async def call(self, method: str, params: dict[str, Value]) -> Value:
-        """Ask the daemon. Raises BentodError: it cannot be reached, or refuses."""
+    @property
+    def connected(self) -> bool:
+        """Whether there is a connection, so that something may be on its way on it."""
+        return self._arm is not None
+
+    async def call(
+        self, method: str, params: dict[str, Value], still: Callable[[], bool] = lambda: True
+    ) -> Value:
+        """Ask the daemon, if that is `still` wanted once there is a connection.
+
+        Raises:
+            BentodError: it cannot be reached, or refuses, or it is not wanted any more.
+        """
         arm = await self._open()
+        if not still():
+            raise Refused("somebody pressed STOP meanwhile")
         try:
             return await arm.call(method, **params)
         except Disconnected:

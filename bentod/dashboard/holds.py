@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 
-from bentod.errors import BentodError
+from bentod.errors import BadRequest, BentodError
 from bentod.frames import Value
 
 LEASES: Mapping[str, float] = {"move": 0.12, "group_command": 0.12, "go_home": 0.15}
@@ -13,6 +13,9 @@ that was just sent, a joint is told to stop within 200 ms of the last one."""
 
 STALE = 0.25
 """s: who has seen no newer frame than this old moves nothing, be it that requests still arrive."""
+
+MOST = 32
+"""Controls of one page that may be held at once."""
 
 _LATE = 0.1
 """s that a renewal may wait for the answer to the one before; what is older was meant for then."""
@@ -47,9 +50,16 @@ class Holds:
         self._held: dict[str, _Wish] = {}
         self._waiting: dict[str, _Wish] = {}
         self._busy: set[str] = set()
+        self._goals: dict[str, Value] = {}  # by control, the goal that it began
 
     def renew(self, key: str, method: str, params: Mapping[str, Value]) -> None:
-        """The control `key` is held: ask for `method`, one of `LEASES`, for as long as its lease."""
+        """The control `key` is held: ask for `method`, one of `LEASES`, for as long as its lease.
+
+        Raises:
+            BadRequest: more controls are held than a person has.
+        """
+        if key not in self._held and len(self._held) >= MOST:
+            raise BadRequest(f"More than {MOST} controls are held at once.")
         wish = _Wish(method, {**params, "lease_s": LEASES[method]}, self._now())
         self._held[key] = wish
         self._post(key, wish)
@@ -57,13 +67,9 @@ class Holds:
     def release(self, key: str) -> None:
         """The control is let go, or its page does not see the arm any more: what it moved stops."""
         held = self._held.pop(key, None)
+        self._goals.pop(key, None)
         if held:
             self._post(key, _ending(held, self._now()))
-
-    def release_all(self) -> None:
-        """Every control is let go."""
-        for key in list(self._held):
-            self.release(key)
 
     def _post(self, key: str, wish: _Wish) -> None:
         self._waiting[key] = wish
@@ -80,12 +86,17 @@ class Holds:
             self._busy.discard(key)
 
     async def _one(self, key: str, wish: _Wish) -> None:
+        goal = {"goal": self._goals[key]} if key in self._goals else {}  # renewed, and never begun anew
         try:
-            await self._ask(wish.method, wish.params)
+            answer = await self._ask(wish.method, {**wish.params, **goal})
         except BentodError as error:
             if not wish.last:  # nothing was moving that could be let go
                 self._held.pop(key, None)
+                self._goals.pop(key, None)
                 self._refused(key, str(error))
+        else:
+            if isinstance(answer, dict) and "goal" in answer and key in self._held:
+                self._goals[key] = answer["goal"]
 
 
 def _ending(held: _Wish, now: float) -> _Wish:

@@ -1,13 +1,14 @@
 """What browsers and the page's server say to each other: MessagePack in WebSocket messages; no I/O."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import msgpack
 
 from bentod.errors import BadRequest
 from bentod.frames import Value
+from bentod.framing import BadFraming, Limits, Scanner
 
 LONGEST = 16 * 1024
 """Bytes of a message from a browser, as of one to the daemon."""
@@ -26,7 +27,8 @@ class Call:
 
     number: int
     method: str
-    params: dict[str, Value] = field(default_factory=dict)
+    params: dict[str, Value]
+    seen: int  # number of the newest frame that the person can have seen
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,10 +64,15 @@ def parse(data: bytes) -> Message:
     Raises:
         BadRequest: it is none.
     """
+    scanner = Scanner(Limits(LONGEST))
+    scanner.feed(data)
     try:
-        entry: object = msgpack.unpackb(data, strict_map_key=True)
-    except (ValueError, msgpack.UnpackException, RecursionError) as error:
-        raise BadRequest("The browser sent something that is not MessagePack.") from error
+        value = scanner.take()
+        if value is None or scanner.pending:
+            raise BadRequest("The browser sent something that is not one MessagePack value.")
+        entry: object = msgpack.unpackb(value, strict_map_key=True)
+    except (BadFraming, ValueError, msgpack.UnpackException) as error:
+        raise BadRequest("The browser sent something that the daemon would not take.") from error
     if isinstance(entry, list) and entry and isinstance(entry[0], str):
         reader = _READERS.get(entry[0])
         message = reader(entry[1:]) if reader else None
@@ -83,8 +90,8 @@ def _token(words: Sequence[object]) -> Message | None:
 
 def _call(words: Sequence[object]) -> Message | None:
     match words:
-        case [int(number), str(method), dict(params)]:
-            return Call(number, method, params)
+        case [int(number), str(method), dict(params), int(seen)]:
+            return Call(number, method, params, seen)
     return None
 
 

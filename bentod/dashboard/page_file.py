@@ -37,23 +37,31 @@ def page_file(address: Path | str) -> Path:
 
 
 def told(address: Path | str) -> str:
-    """Where the page of the daemon at `address` is; empty when there is none, or it is not ours to know."""
+    """Where operators find the page of the daemon at `address`; empty when nothing is told of it."""
+    found = told_links(address)
+    return found.operator if found else ""
+
+
+def told_links(address: Path | str) -> Links | None:
+    """Both addresses of that page; None when there is none, or it is not ours to know."""
     with suppress(OSError, UnicodeDecodeError):
-        return page_file(address).read_text(encoding="ascii").strip()
-    return ""
+        match page_file(address).read_text(encoding="ascii").split():
+            case [operator, observer]:
+                return Links(operator, observer)
+    return None
 
 
 @contextmanager
-def announced(address: Path | str, link: str) -> Iterator[None]:
+def announced(address: Path | str, page: Links) -> Iterator[None]:
     """While entered, the file says where the page is; where there can be none, nothing is said."""
     file = page_file(address)
     with suppress(OSError):
         file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         with replacing(file, mode=_PRIVATE) as out:
-            out.write(link.encode() + b"\n")
+            out.write(f"{page.operator}\n{page.observer}\n".encode())
     try:
         yield
     finally:
-        if told(address) == link:
+        if told_links(address) == page:
             with suppress(OSError):
                 file.unlink()

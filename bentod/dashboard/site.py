@@ -12,6 +12,11 @@ from bentod.dashboard.own_methods import OWN
 from bentod.dashboard.visitor import House, Visitor
 from bentod.frames import Value
 
+BEAT = 1.0
+"""s between two signs of life to every page."""
+
+_ALIVE = pack("alive")
+
 
 class Site:
     """One daemon as the page shows it."""
@@ -36,6 +41,13 @@ class Site:
         async with asyncio.TaskGroup() as tasks:
             tasks.create_task(self._link.run())
             tasks.create_task(self._errands.run())
+            tasks.create_task(self._beat())
+
+    async def _beat(self) -> None:
+        """Pages know that the server lives, be there a daemon or not."""
+        while True:
+            await asyncio.sleep(BEAT)
+            self._audience.tell(_ALIVE)
 
     async def look(self, method: str, params: dict[str, Value]) -> Value:
         """Ask the daemon on the connection that all share: methods that an observer may call."""

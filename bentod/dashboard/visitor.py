@@ -16,6 +16,9 @@ from bentod.frames import Value
 AT_ONCE = 32
 """Calls of one browser that may be open, as for any client of the daemon."""
 
+LATE = 1.0
+"""s: what is asked for once counts for so long after the newest frame that whoever asks has seen."""
+
 _NOT_FOR_PAGES = frozenset({"hello", "challenge", "authenticate", "subscribe", "unsubscribe"})
 """What the page's server does for them."""
 
@@ -46,7 +49,8 @@ class Visitor:
         self._write = write
         self._tasks = tasks
         self._actor = Actor(house.connect, name)
-        self._holds = Holds(self._actor.call, self._dropped, tasks, asyncio.get_running_loop().time)
+        self._holds = Holds(self._act, self._dropped, tasks, asyncio.get_running_loop().time)
+        self._stops = 0
         self._farewells: list[Callable[[], Awaitable[None]]] = []
         self._open = 0
         self._sent = self._seen = 0
@@ -149,7 +153,8 @@ class Visitor:
         self.tell("dropped", key, why)
 
     def _call(self, call: Call) -> None:
-        if self._open >= AT_ONCE:
+        self._stops += call.method == "stop"
+        if self._open >= AT_ONCE and not _halts(call.method, call.params):
             self.tell("refused", call.number, f"{AT_ONCE} calls of this page are open already.")
             return
         self._open += 1
@@ -164,9 +169,12 @@ class Visitor:
             self._open -= 1
 
     async def _asked(self, call: Call) -> Value:
+        if call.method == "stop":
+            return await self._stop()
         own = self._house.own.get(call.method)
         if own:
             self._must_be(own.role)
+            self._must_see(call, own.role)
             return await own.handler(self, call.params)
         knowledge = self._house.stage.knowledge
         roles = knowledge.roles() if knowledge else {}
@@ -176,9 +184,38 @@ class Visitor:
             raise BadRequest(f"{call.method} moves the arm: it must be held.", "method")
         role = roles.get(call.method, "operator")
         self._must_be(role)
-        asked = self._house.stage.look if role == "observer" else self._actor.call
+        self._must_see(call, role)
+        asked = self._house.stage.look if role == "observer" else self._act
         return await asked(call.method, call.params)
+
+    async def _act(self, method: str, params: dict[str, Value]) -> Value:
+        """Ask the daemon on the browser's own connection, unless STOP is pressed before there is one."""
+        stops = self._stops
+        return await self._actor.call(method, params, lambda: _halts(method, params) or stops == self._stops)
+
+    async def _stop(self) -> Value:
+        """Stop at once, on the way that is open; and after what is on its way on the browser's own."""
+        ways = [self._house.stage.look("stop", {})]
+        if self._actor.connected:
+            ways.append(self._actor.call("stop", {}))
+        answers = await asyncio.gather(*ways, return_exceptions=True)
+        if all(isinstance(answer, BaseException) for answer in answers):
+            raise next(answer for answer in answers if isinstance(answer, BaseException))
+        return None
+
+    def _must_see(self, call: Call, role: str) -> None:
+        """What arrives late was meant for then; pauses are as good as ever, and recordings stand still."""
+        any_time = role == "observer" or call.method.startswith("replay_") or _halts(call.method, call.params)
+        if not any_time and self._house.audience.age(call.seen) > LATE:
+            raise Refused(
+                f"this was asked for by a page that saw the arm more than {LATE:g} s ago: ask again"
+            )
 
     def _must_be(self, role: str) -> None:
         if role == "operator" and self.role != "operator":
             raise Refused("You may look, and stop the arm, but not change anything.")
+
+
+def _halts(method: str, params: dict[str, Value]) -> bool:
+    """Whether it only ends motion: that counts however much is open, however late, whoever pressed STOP."""
+    return method == "stop" or (method == "pause" and params.get("on", True) is True)

@@ -44,6 +44,8 @@ class Server:
         self._tokens = tokens
         self._door = door
         self._sockets: set[web.WebSocketResponse] = set()
+        self._knocking: dict[web.WebSocketResponse, None] = {}  # who has shown no token yet, in order
+        self._guests = 0
 
     @asynccontextmanager
     async def serving(self, listener: sockets.socket, tls: ssl.SSLContext | None) -> AsyncIterator[None]:
@@ -105,8 +107,14 @@ class Server:
         return socket
 
     async def _serve(self, request: web.Request, socket: web.WebSocketResponse) -> None:
-        role = await self._role(socket)
-        if len(self._sockets) > BROWSERS:
+        self._knocking[socket] = None
+        if len(self._knocking) > BROWSERS:
+            await next(iter(self._knocking)).close(code=_UNKNOWN, message=b"too many others knock")
+        try:
+            role = await self._role(socket)
+        finally:
+            self._knocking.pop(socket, None)
+        if role and self._guests >= BROWSERS:
             await socket.close(code=_CROWDED, message=b"too many browsers")
         elif not role:
             _log.warning("a browser without a valid token was refused")
@@ -127,9 +135,11 @@ class Server:
         async with asyncio.TaskGroup() as tasks:
             visitor = self._site.visitor(role, _writer(request), tasks)
             self._site.enter(visitor)
+            self._guests += 1
             try:
                 await _listen(socket, visitor)
             finally:
+                self._guests -= 1
                 self._site.leave(visitor)
                 await asyncio.shield(visitor.leave())
 

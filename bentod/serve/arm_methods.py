@@ -5,6 +5,7 @@ from importlib.metadata import version
 from typing import Annotated
 
 from bentod.control.arbiter import OPERATORS
+from bentod.control.grips import Hold
 from bentod.control.leases import Holder
 from bentod.desk import Desk
 from bentod.errors import BadRequest, Refused
@@ -18,6 +19,7 @@ Speed = Annotated[
     float | None, Number("rad/s", -10, 10, "signed velocity, or top speed towards the position")
 ]
 Angle = Annotated[float | None, Number("rad", -6.3, 6.3, "position to go to, within the joint's limits")]
+Goal = Annotated[int | None, Number("", 1, 2**53, "the goal that is renewed; no other is begun")]
 GoalLease = Annotated[
     float | None, Number("s", 0.05, 10, "cancelled this long after the last call that renews it; nil: never")
 ]
@@ -176,17 +178,21 @@ class ArmMethods:
             raise Refused(why)
         return None
 
-    async def go_home(self, session: Session, joints: Joints = None, lease_s: GoalLease = None) -> Value:
+    async def go_home(
+        self, session: Session, joints: Joints = None, lease_s: GoalLease = None, goal: Goal = None
+    ) -> Value:
         """Send joints home as a goal; returns its number. Events "goal" tell its progress and its end.
 
         Paused joints go home undisturbed and are paused again there. Released joints go home too, but the
         wearer's first sign, another wish, `stop` or `pause` cancels the goal. With a lease it is also
         cancelled when its client is gone, or silent for that long: the same call renews it, and returns the
-        same number. What was cancelled is not begun anew by renewing it: be silent for one lease first.
+        same number; with that number as `goal` it never begins another. What was cancelled is not begun anew
+        by renewing it: be silent for one lease first.
         """
         holder = Holder(session.id, session.client)
+        hold = Hold(holder, lease_s, goal) if lease_s else None
         self._room.attach(session)
-        answer = await self._room.inbox.ask(lambda desk: desk.go_home(desk.select(joints), holder, lease_s))
+        answer = await self._room.inbox.ask(lambda desk: desk.go_home(desk.select(joints), hold))
         return {"goal": answer.result}
 
     async def go_home_cancel(self, session: Session) -> Value:

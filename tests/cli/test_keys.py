@@ -182,9 +182,41 @@ def test_recordings_marks_help_and_the_end() -> None:
     assert at.press("r", 1.0) == [Ask("recording_start")]
     assert at.press("m", 2.0) == [Ask("mark", {"mark": "note"})]
     at.press("?", 3.0)
-    assert at.help
+    shown = at.help
     at.press("q", 4.0)
+    assert (shown, at.help, at.quits) == (True, False, False)
+    at.press("q", 5.0)
     assert at.quits
+
+
+@pytest.mark.parametrize("key", ["p", "y", "h", "t", "a", "right", "tab", "q", "?", "z"])
+def test_a_key_that_closes_the_help_does_only_that_also_while_it_is_held(key: str) -> None:
+    at = hands(PAUSED)
+    at.press("t", 1.0)
+    at.press("?", 2.0)
+    assert [at.press(key, 2.5 + 0.5 * step) for step in range(9)] == [[]] * 9
+    assert (at.help, at.homing, at.quits) == (False, False, False)
+
+
+@pytest.mark.parametrize("key", ["s", "space", "escape"])
+def test_stop_keys_stop_beneath_the_help_and_close_it(key: str) -> None:
+    at = hands()
+    at.press("?", 1.0)
+    assert at.press(key, 2.0) == [Ask("stop")]
+    assert not at.help
+
+
+def test_the_help_hides_no_daemon_that_is_gone() -> None:
+    at = hands()
+    at.press("?", 1.0)
+    at.lose("gone")
+    assert not at.help
+
+
+def test_a_key_that_means_nothing_says_so() -> None:
+    at = hands()
+    assert at.press("z", 1.0) == []
+    assert at.said == "no such key: ? lists them"
 
 
 def test_the_help_fits_a_small_window() -> None:

@@ -198,8 +198,23 @@ def test_a_fault_is_told_in_red_below_the_first_line() -> None:
     assert RED not in "".join(drawn(FRAME))
 
 
-def test_a_frame_has_as_many_lines_with_a_fault_as_without() -> None:
-    assert len(seen(replace(FRAME, fault="smoke"))) == len(seen(FRAME))
+def test_a_fault_is_whole_in_a_small_window_and_says_the_way_back() -> None:
+    why = (
+        "no answer for more than 0.5 s from any joint (0.53 s): Serial port /dev/ttyUSB0: is the adapter in?"
+    )
+    shown = window(
+        replace(FRAME, mode=Mode.FAULT, fault=why), aside=Aside(group="arm", foot=["said", "keys"])
+    )
+    assert f"{shown[1].strip()} {shown[2].strip()}" == why
+    assert shown[3] == "  → bentod ctl clear-fault, then p"
+    assert max(map(len, shown)) <= 80
+    assert shown[-1] == "keys"
+
+
+def test_a_fault_that_never_ends_takes_two_lines() -> None:
+    shown = window(replace(FRAME, fault="it burns and " * 40))
+    assert shown[2].endswith(" …")
+    assert shown[3] == "  → bentod ctl clear-fault, then bentod ctl pause off"
 
 
 def test_efforts_are_gauges_beside_the_count_of_toggles() -> None:

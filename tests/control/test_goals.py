@@ -186,3 +186,16 @@ def test_a_goal_that_is_done_may_be_renewed_and_moves_nothing() -> None:
     rig.goals.advance(_at(0.1, 0.1), now=0.3)
     assert rig.told[-1].status == "done"
     assert rig.goals.wishes() == {}
+
+
+def test_a_goal_that_is_renewed_by_its_number_never_begins_another() -> None:
+    rig = _Rig()
+    number = rig.begin(_lease(0.15))
+    assert rig.goals.renew(_lease(0.3), number) == number
+    rig.goals.cancel("stopped by somebody")
+    rig.advance(0.31)  # silent for one lease
+    with pytest.raises(Refused, match="does not begin another"):
+        rig.goals.renew(_lease(0.5), number)
+    with pytest.raises(Refused, match="does not begin another"):
+        rig.goals.renew(_lease(0.5), 99)
+    assert rig.statuses[-1] == "cancelled"

@@ -20,6 +20,7 @@ COLOURS = 96
 
 async def _picture(page: Page, folder: Path, name: str) -> None:
     file = folder / f"{name}.png"
+    await page.eval("document.querySelector('.notices').replaceChildren()")
     await page.screenshot(file)
     with Image.open(file) as taken:
         small = taken.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)

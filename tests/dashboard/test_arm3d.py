@@ -34,8 +34,19 @@ def at(angles: dict[str, float], expected: dict[str, float] | None = None) -> Ta
         {
             name: {"position": angle, "predictions": {"20": told[name]} if name in told else {}}
             for name, angle in angles.items()
-        }
+        },
+        learn=learned(dict.fromkeys(told, 0.9)),
     )
+
+
+def learned(confidence: dict[str, float], error: float = 0.03) -> Table:
+    """What was learned by joints of this confidence, whose predictions were off by so many rad."""
+    names = {name: f"{name}.position@20" for name in confidence}
+    return {
+        "confidence": {names[name]: sure for name, sure in confidence.items()},
+        "error": dict.fromkeys(names.values(), error),
+        "familiarity": {},
+    }
 
 
 def anywhere(chance: random.Random) -> dict[str, float]:
@@ -70,20 +81,26 @@ async def test_arm_and_ghost_are_where_forward_kinematics_puts_them(page: Page) 
 
 async def test_there_is_no_ghost_where_nothing_else_is_expected_or_the_arm_waits(page: Page) -> None:
     here, there = dict.fromkeys(NAMES, 0.0), dict.fromkeys(NAMES, 0.3)
-    frames = [at(here, there), at(here), at(here, here), at(here, there) | {"mode": "paused"}]
+    unproven = at(here, there) | {"learn": {**learned(dict.fromkeys(NAMES, 0.9)), "error": {}}}
+    frames = [
+        at(here, there),
+        at(here),
+        at(here, here),
+        at(here, there) | {"mode": "paused"},
+        unproven,
+    ]
     await page.until("!!bentod.arm3d.model")
     ghosts = await page.eval(
         f"{script(frames)}.map((frame) => (bentod.arm3d.show(frame), bentod.arm3d.ghostPose() !== null))"
     )
-    assert ghosts == [True, False, False, False]
+    assert ghosts == [True, False, False, False, False]
 
 
 async def test_the_fainter_the_ghost_the_less_sure_it_is(page: Page) -> None:
     here, there = dict.fromkeys(NAMES, 0.0), dict.fromkeys(NAMES, 0.3)
     frames = [
-        at(here, there)
-        | {"learn": {"confidence": {f"{n}.position@20": sure for n in NAMES}, "error": {}, "familiarity": {}}}
-        for sure in (-0.5, 0.2, 0.9)
+        at(here, there) | {"learn": learned(dict.fromkeys(NAMES, sure), error)}
+        for sure, error in ((-0.5, 0.03), (0.9, 0.4), (0.9, 0.03))
     ]
     opacities = await page.eval(
         f"{script(frames)}.map((frame) => (bentod.arm3d.show(frame), bentod.arm3d.picture.ghost.opacity))"
@@ -91,10 +108,23 @@ async def test_the_fainter_the_ghost_the_less_sure_it_is(page: Page) -> None:
     assert 0 < opacities[0] < opacities[1] < opacities[2] < 1
 
 
+async def test_what_is_no_longer_known_is_drawn_without_ghost_or_ring(page: Page) -> None:
+    here, there = dict.fromkeys(NAMES, 0.0), dict.fromkeys(NAMES, 0.3)
+    await page.until("!!bentod.arm3d.model")
+    before, after, old = await page.eval(
+        "(bentod.link.handlers.frame = () => {}, bentod.link.handlers.link = () => {},"
+        f"bentod.feed({script(at(here, there))}), bentod.arm3d.show(bentod.frame),"
+        "[bentod.arm3d.ghostPose() !== null,"
+        "(bentod._linked({page: true, daemon: false, why: ''}), bentod.arm3d.ghostPose() !== null),"
+        "document.querySelector('.arm3d').matches('.arm3d-old')])"
+    )
+    assert (before, after, old) == (True, False, True)
+
+
 async def test_the_drawn_arm_follows_the_living_one(page: Page, site: Lab) -> None:
     with site.arm() as arm:
-        arm.call("move", joint="shoulder_rotation", position=0.5, lease_s=1.0)
-        arm.call("move", joint="wrist_flexion", position=-0.6, lease_s=1.0)
+        arm.call("move", joint="shoulder_rotation", position=0.5, lease_s=10.0)
+        arm.call("move", joint="wrist_flexion", position=-0.6, lease_s=10.0)
         await page.until("!!bentod.arm3d.model && bentod.frame.joints[3].position < -0.2")
     found = await page.eval(
         "(bentod.arm3d.show(bentod.frame), [bentod.arm3d.pose(),"
@@ -111,6 +141,12 @@ async def test_without_webgl_the_arm_is_drawn_as_lines_and_the_page_says_so(page
         f"(bentod.arm3d.show({script(at({'shoulder_rotation': 0.0, 'elbow_flexion': math.pi / 2}))}),"
         "document.querySelector('.arm3d-line').getAttribute('points'))"
     )
+    shown = await page.eval(
+        "[...document.querySelectorAll('.arm3d-bar-of-buttons, .arm3d-legend')]"
+        ".filter((part) => part.getClientRects().length).map((part) => part.innerText)"
+    )
+    assert len(shown) == 1  # nothing to turn or zoom, and a legend of lines
+    assert "┅ ○ expected" in shown[0]
     right, down = (float(number) for number in points.split()[-1].split(","))
     assert (right, -down) == pytest.approx((131.2, 124.3 + 351.0), abs=0.1)  # mm: the hand is above the elbow
     assert not page.problems

@@ -68,6 +68,9 @@ async def test_settings_are_given_in_the_units_of_the_screen(page: Page, site: L
     await page.fill(".assist-manual_after_toggle_s", "1.5")
     await soon(lambda: settings(site)["manual_after_toggle_s"] == 1.5)
     assert settings(site)["velocity_limit_rad_s"] == pytest.approx(math.pi / 2)  # 600 °/s was never asked for
+    await page.fill(".assist-velocity_limit_rad_s-slider", "1000")
+    fastest = await page.eval("Math.max(...bentod.info.joints.map((one) => one.max_velocity_rad_s))")
+    await soon(lambda: settings(site)["velocity_limit_rad_s"] == pytest.approx(2 * fastest, rel=0.01))
     await page.fill(".assist-timescale", "10")
     await soon(lambda: settings(site)["timescale"] == 10)
     await page.fill(".assist-k-slider", "1000")

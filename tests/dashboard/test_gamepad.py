@@ -129,7 +129,7 @@ async def test_its_buttons_do_what_they_say(played: Page, site: Lab) -> None:
     await hold(played, PAUSE)
     await played.until("bentod.frame.mode === 'paused'")
     await hold(played, RELEASE)
-    await played.until("document.querySelector('.notices').textContent.includes('Hold button 5')")
+    await played.until("document.querySelector('.notices').textContent.includes('Hold the right bumper (5)')")
     assert site.state()["mode"] == "paused"
     while await played.eval("bentod.frame.mode !== 'active'"):
         await hold(played)

@@ -8,6 +8,8 @@ from tests.dashboard.rig import Lab
 
 pytestmark = pytest.mark.real_time
 
+COSTS = ("read", "think", "write", "publish")
+
 STILL = "bentod.link.handlers.frame = () => {}"
 """No frame arrives any more but those that a test feeds."""
 
@@ -69,7 +71,7 @@ async def test_faults_can_be_practised_and_three_buttons_lead_back(page: Page, s
     await page.click(".practice-break")
     await page.until("bentod.frame.mode === 'fault'")
     await page.until("document.querySelector('.health-fault')?.innerText.includes('USB cable')")
-    assert await page.eval("document.querySelectorAll('.health-fault').length") == 1
+    assert await page.eval("document.querySelectorAll('.health-fault.grave').length") == 1
     await page.click(".practice-mend")
     await page.until("bentod.frame.joints.every((joint) => joint.freshness === 'fresh')")
     await page.click(".health-clear")
@@ -77,7 +79,7 @@ async def test_faults_can_be_practised_and_three_buttons_lead_back(page: Page, s
     assert site.state()["mode"] == "holding"
     await page.click(".health-release")
     await page.until("bentod.frame.mode === 'active'")
-    await page.until("document.querySelector('.health-state').textContent.includes('Nothing is wrong')")
+    await page.until("!document.querySelector('.health-fault.grave')")
     assert not page.problems
 
 
@@ -94,6 +96,7 @@ async def _explained(page: Page, site: Lab) -> None:
     )
     assert [fault for fault, _ in told] == info["faults"]
     assert not [fault for fault, text in told if "simulator's own" in text]
+    assert all(text.startswith("“Break it” does this: ") and "What then helps: " in text for _, text in told)
 
 
 async def test_servos_and_faults_are_told_with_units_and_words(looking: Page) -> None:
@@ -133,3 +136,26 @@ async def test_servos_and_faults_are_told_with_units_and_words(looking: Page) ->
         assert words in text, f"{words}\n{text}"
     buttons = "[...document.querySelectorAll('.health-way button, .practice-break')]"
     assert await looking.eval(f"{buttons}.every((button) => button.disabled)")
+
+
+async def test_missed_ticks_are_worth_a_look_and_without_a_daemon_nothing_is_known(looking: Page) -> None:
+    await looking.click("#tab-health")
+    await looking.eval(STILL)
+    quiet = {"lateness": 0.0, "shed": 0, "tick": 1, "costs": dict.fromkeys(COSTS, 0.001)}
+    told = frame({name: {"voltage": 12.0} for name in NAMES}, **quiet, missed=0)
+    told["emg"]["effort"] = {}
+    state = "document.querySelector('.health-state').textContent"
+    feed = "bentod.feed({...%s, time: %f, missed: %d})"
+    await looking.eval(feed % (script(told), 1e6, 3))
+    await looking.until(f"{state}.includes('Nothing is wrong')")
+    await looking.eval(feed % (script(told), 1e6 + 1, 112))
+    await looking.until(f"{state}.startsWith('△')")
+    listed = "document.querySelector('.health-fault:not(.grave) .health-text').textContent"
+    assert await looking.eval(listed) == "Ticks missed in the last 60 s: 109."
+    await looking.eval(feed % (script(told), 1e6 + 2, 113))
+    await looking.until(f"{listed}.endsWith(' 110.')")
+    await looking.eval("bentod._linked({page: true, daemon: false, why: 'silent'})")
+    assert (await looking.eval(state)).startswith("? Nothing is known")
+    assert await looking.eval("document.querySelector('.health-faults').hidden")
+    await looking.eval(feed % (script(told), 1e6 + 70, 113))
+    await looking.until(f"{state}.includes('Nothing is wrong')")

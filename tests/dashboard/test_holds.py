@@ -2,8 +2,10 @@
 
 import asyncio
 
-from bentod.dashboard.holds import LEASES, Holds
-from bentod.errors import Refused
+import pytest
+
+from bentod.dashboard.holds import LEASES, MOST, Holds
+from bentod.errors import BadRequest, Refused
 from bentod.frames import Value
 
 
@@ -20,7 +22,7 @@ class Daemon:
         await asyncio.sleep(self.hold_up)
         if self.refusal:
             raise Refused(self.refusal)
-        return None
+        return {"goal": 7} if method == "go_home" else None
 
 
 class Hand:
@@ -61,7 +63,8 @@ async def test_a_group_is_let_go_by_no_effort_and_going_home_by_its_end() -> Non
         hand.holds.renew("hand", "group_command", {"group": "hand", "effort": -0.5})
         hand.holds.renew("home", "go_home", {"joints": None})
         await asyncio.sleep(0.1)
-        hand.holds.release_all()
+        hand.holds.release("hand")
+        hand.holds.release("home")
     assert ("group_command", {"group": "hand", "effort": 0.0, "lease_s": 0.05}) in daemon.asked
     assert ("go_home_cancel", {}) in daemon.asked
 
@@ -104,3 +107,26 @@ async def test_a_refusal_lets_go_and_says_why() -> None:
         hand.holds.release("elbow")
     assert hand.dropped == [("elbow", "elbow_flexion is paused")]
     assert len(daemon.asked) == 1
+
+
+async def test_a_homing_is_renewed_by_its_number_so_that_none_begins_anew() -> None:
+    daemon = Daemon()
+    async with asyncio.TaskGroup() as tasks:
+        hand = Hand(daemon, tasks)
+        for _ in range(3):
+            hand.holds.renew("home", "go_home", {"joints": None})
+            await asyncio.sleep(0.05)
+        hand.holds.release("home")
+        await asyncio.sleep(0.05)
+        hand.holds.renew("home", "go_home", {"joints": None})
+    asked = [params.get("goal") for method, params in daemon.asked if method == "go_home"]
+    assert asked == [None, 7, 7, None]
+
+
+async def test_nobody_holds_more_controls_than_hands_can() -> None:
+    async with asyncio.TaskGroup() as tasks:
+        hand = Hand(Daemon(), tasks)
+        for key in range(MOST):
+            hand.holds.renew(str(key), "move", {"joint": "elbow_flexion", "velocity": 0.1})
+        with pytest.raises(BadRequest, match="32 controls"):
+            hand.holds.renew("another", "move", {"joint": "elbow_flexion", "velocity": 0.1})

@@ -92,3 +92,30 @@ async def test_a_row_tells_numbers_with_units_and_warnings_in_words(page: Page) 
         "slowed: warm",
     ):
         assert words in row, words
+
+
+async def test_rows_and_groups_tell_no_more_than_is_known(page: Page) -> None:
+    expected = {"predictions": {"20": 0.5}}
+    lost = {"freshness": "lost", "age": 2.7, "velocity": 0.5}
+    moments = [
+        frame({"elbow_flexion": expected}, mode="paused"),
+        frame(
+            dict.fromkeys([joint["name"] for joint in frame()["joints"]], lost), mode="fault", fault="Gone."
+        ),
+    ]
+    await page.until(f"!!document.querySelector({script(ELBOW)})")
+    paused, fault, old = await page.eval(
+        "(async () => { bentod.link.handlers.frame = bentod.link.handlers.link = () => {};"
+        "const seen = () => document.querySelector('#section-groups').parentElement.parentElement.innerText;"
+        "const after = (frame) => new Promise((done) => { bentod.feed(frame); requestAnimationFrame("
+        "() => done(seen())) }); const told = [];"
+        f"for (const one of {script(moments)}) told.push(await after(one));"
+        "bentod._linked({page: true, daemon: false, why: ''}); "
+        "return [...told, seen()].map((text) => text.replaceAll('\\u00a0', ' ')) })()"
+    )
+    assert "○ paused" in paused
+    assert "expected" not in paused
+    assert fault.count("2.7 s") == 1
+    assert "⚠ No joint answers (2.7 s)." in fault
+    assert "+29 °/s" not in fault
+    assert old.count("not known now") == 6  # five joints and a group

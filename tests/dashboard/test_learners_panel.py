@@ -109,4 +109,9 @@ async def _drawn(page: Page, arm: BlockingClient) -> None:
     )
     await page.until("document.querySelector('.outcome-chart canvas')?.width > 100")
     await page.until("/Predicted next: \\d+%/.test(document.querySelector('.outcome-now').textContent)")
+    words = await page.eval(
+        "(bentod.learners.chart.error = NaN, bentod.learners.chart.draw(),"
+        " document.querySelector('.outcome-now').textContent)"
+    )
+    assert "give or take" not in words
     assert not page.problems

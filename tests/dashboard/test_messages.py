@@ -18,7 +18,7 @@ def test_a_hold_is_five_words() -> None:
     ("words", "message"),
     [
         (["token", "abc"], Token("abc")),
-        (["call", 7, "pause", {"on": True}], Call(7, "pause", {"on": True})),
+        (["call", 7, "pause", {"on": True}, 42], Call(7, "pause", {"on": True}, 42)),
         (["release", "key"], Release("key")),
         (["seen", 300], Seen(300)),
     ],
@@ -56,3 +56,18 @@ def test_no_bytes_do_more_than_be_refused(data: bytes) -> None:
 
 def test_messages_to_browsers_are_lists() -> None:
     assert pack("link", False, "gone") == b"\x93\xa4link\xc2\xa4gone"
+
+
+@pytest.mark.parametrize(
+    "params",
+    [{"meta": msgpack.Timestamp(1)}, {"meta": msgpack.ExtType(5, b"x")}, {"meta": list(range(400))}],
+    ids=["time stamp", "extension", "very many values"],
+)
+def test_what_the_daemon_would_not_take_is_refused_before_it_gets_there(params: dict[str, object]) -> None:
+    with pytest.raises(BadRequest, match="the daemon would not take"):
+        parse(msgpack.packb(["call", 1, "set_meta", params, 1]))
+
+
+def test_one_message_is_one_value() -> None:
+    with pytest.raises(BadRequest, match="one MessagePack value"):
+        parse(msgpack.packb(["seen", 1]) * 2)

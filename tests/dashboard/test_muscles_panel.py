@@ -217,4 +217,6 @@ async def test_the_wizard_measures_a_wearer_and_sets_what_was_found(browser: Bro
             await page.click("#calibration-undo")
             eventually(lambda: tables(table(arm.call("emg_get")), "sites")[0] == before)
         assert await page.eval("document.querySelector('.recognition-reason').textContent") != ""
+        assert "Train first" in await page.eval("document.querySelector('.recognition-decision').textContent")
+        assert await page.eval("document.querySelector('#recognition-train').checkVisibility()")
         assert not page.problems

@@ -5,6 +5,7 @@ import msgpack
 import pytest
 from aiohttp import web
 
+from bentod.dashboard.web import BROWSERS
 from tests.dashboard.chromium import Browser
 from tests.dashboard.page import Page
 from tests.dashboard.rig import Lab
@@ -112,3 +113,16 @@ async def test_a_page_without_a_token_asks_for_one_and_takes_it(browser: Browser
     await page.fill("#token", site.operator)
     await page.click("form button")
     await page.until("!!window.bentod?.frame")
+
+
+async def test_those_who_knock_and_say_nothing_keep_nobody_out(site: Lab) -> None:
+    headers = {"Origin": f"http://{site.place}"}
+    async with aiohttp.ClientSession(connector=aiohttp.TCPConnector(limit=0)) as http:
+        silent = [
+            await http.ws_connect(f"http://{site.place}/ws", headers=headers) for _ in range(BROWSERS + 6)
+        ]
+        async with http.ws_connect(f"http://{site.place}/ws", headers=headers) as guest:
+            await guest.send_bytes(msgpack.packb(["token", site.operator.partition("#")[2]]))
+            assert (await guest.receive(5.0)).type is aiohttp.WSMsgType.BINARY
+        for one in silent:
+            await one.close()

@@ -62,6 +62,7 @@ class Arm(Client):
     async def call(self, method: str, /, *params: Value, **named: Value) -> Value:
         if method != "hello":
             self._stage.acted.append((method, named))
+        await asyncio.sleep(0.01)
         return "done"
 
 
@@ -72,6 +73,7 @@ class Room:
         self.stage = Stage()
         self.audience = Audience(asyncio.get_running_loop().time)
         self.said: list[list[Value]] = []
+        self.connects_in = 0.0  # s
         table: dict[str, Own] = own(observer={"dashboard.echo": _echo}, operator={"dashboard.do": _echo})
         house = House(self.stage, self.audience, self._connect, table)
         self.visitor = Visitor(house, role, "page 1", self._hear, tasks)
@@ -86,6 +88,7 @@ class Room:
 
     @asynccontextmanager
     async def _connect(self) -> AsyncIterator[Client]:
+        await asyncio.sleep(self.connects_in)
         yield Arm(self.stage)
         self.stage.left += 1
 
@@ -135,7 +138,7 @@ async def test_a_frame_that_was_never_sent_was_never_seen(seen: int) -> None:
 async def test_motion_cannot_be_asked_for_without_holding_it() -> None:
     async with asyncio.TaskGroup() as tasks:
         room = Room(tasks)
-        room.visitor.take(Call(1, "move", {**PUSH, "lease_s": 10.0}))
+        room.visitor.take(Call(1, "move", {**PUSH, "lease_s": 10.0}, room.show()))
     assert room.said == [["refused", 1, "move moves the arm: it must be held."]]
     assert not room.stage.acted
 
@@ -151,7 +154,7 @@ async def test_an_observer_looks_and_stops_and_does_nothing_else() -> None:
     async with asyncio.TaskGroup() as tasks:
         room = Room(tasks, "observer")
         for number, method in enumerate(["get_info", "stop", "pause", "dashboard.do"]):
-            room.visitor.take(Call(number, method, {}))
+            room.visitor.take(Call(number, method, {}, room.show()))
         room.visitor.take(Hold("key", "move", dict(PUSH), room.show()))
     assert room.stage.looked == ["get_info", "stop"]
     assert not room.stage.acted
@@ -164,14 +167,14 @@ async def test_an_observer_looks_and_stops_and_does_nothing_else() -> None:
 async def test_what_is_not_for_pages_is_not_there(method: str) -> None:
     async with asyncio.TaskGroup() as tasks:
         room = Room(tasks)
-        room.visitor.take(Call(1, method, {}))
+        room.visitor.take(Call(1, method, {}, room.show()))
     assert room.said[0][0] == "refused"
 
 
 async def test_the_servers_own_methods_are_answered_by_it() -> None:
     async with asyncio.TaskGroup() as tasks:
         room = Room(tasks)
-        room.visitor.take(Call(5, "dashboard.echo", {"word": "hi"}))
+        room.visitor.take(Call(5, "dashboard.echo", {"word": "hi"}, room.show()))
     assert room.said == [["answer", 5, "hi"]]
 
 
@@ -188,7 +191,7 @@ async def test_so_many_calls_are_open_at_once_and_no_more() -> None:
     async with asyncio.TaskGroup() as tasks:
         room = Room(tasks)
         for number in range(AT_ONCE + 3):
-            room.visitor.take(Call(number, "get_info", {}))
+            room.visitor.take(Call(number, "get_info", {}, room.show()))
     assert [said[0] for said in room.said].count("refused") == 3
 
 
@@ -234,5 +237,59 @@ async def test_a_daemon_that_is_not_there_is_a_refusal() -> None:
             raise Disconnected("The daemon is not there.")
 
         room.stage.look = look  # type: ignore[method-assign]
-        room.visitor.take(Call(1, "stop", {}))
+        room.visitor.take(Call(1, "stop", {}, room.show()))
     assert room.said == [["refused", 1, "The daemon is not there."]]
+
+
+@pytest.mark.parametrize(
+    ("method", "params"),
+    [("pause", {"on": False}), ("torque", {"on": False}), ("dashboard.do", {"word": "now"})],
+)
+async def test_what_arrives_late_was_meant_for_then(method: str, params: dict[str, Value]) -> None:
+    async with asyncio.TaskGroup() as tasks:
+        room = Room(tasks)
+        seen = room.show()
+        await asyncio.sleep(1.01)
+        room.show()
+        room.visitor.take(Call(1, method, params, seen))
+    assert room.said[0][:2] == ["refused", 1]
+    assert not room.stage.acted
+
+
+@pytest.mark.parametrize("method", ["stop", "pause"])
+async def test_what_halts_the_arm_is_never_too_late(method: str) -> None:
+    async with asyncio.TaskGroup() as tasks:
+        room = Room(tasks)
+        room.visitor.take(Call(1, method, {}, 0))
+    assert room.said == [["answer", 1, None if method == "stop" else "done"]]
+
+
+async def test_a_release_that_waits_for_its_connection_does_not_undo_a_stop() -> None:
+    async with asyncio.TaskGroup() as tasks:
+        room = Room(tasks)
+        room.connects_in = 0.05
+        room.visitor.take(Call(1, "pause", {"on": False}, room.show()))
+        await asyncio.sleep(0.03)
+        room.visitor.take(Call(2, "stop", {}, room.show()))
+    assert not room.stage.acted
+    assert ["refused", 1, "somebody pressed STOP meanwhile"] in room.said
+
+
+async def test_a_stop_goes_after_what_is_on_its_way_too() -> None:
+    async with asyncio.TaskGroup() as tasks:
+        room = Room(tasks)
+        room.visitor.take(Call(1, "pause", {"on": False}, room.show()))
+        await asyncio.sleep(0.03)
+        room.visitor.take(Call(2, "stop", {}, room.show()))
+    assert room.stage.acted[-1] == ("stop", {})
+    assert room.stage.looked == ["stop"]
+
+
+async def test_a_stop_is_heard_however_much_is_open_and_whoever_asks() -> None:
+    async with asyncio.TaskGroup() as tasks:
+        room = Room(tasks, "observer")
+        room.stage.knowledge = None
+        for number in range(AT_ONCE):
+            room.visitor.take(Call(number, "get_info", {}, room.show()))
+        room.visitor.take(Call(99, "stop", {}, 0))
+    assert "stop" in room.stage.looked

@@ -116,7 +116,8 @@ def test_a_config_that_does_not_exist_is_told_with_those_that_do() -> None:
     assert (done.exit_code, done.stderr) == (
         1,
         "bentod: there is no config file bentoo.toml "
-        "(shipped: bento.toml, clinic.toml, joystick.toml, myo.toml, nexting.toml, patterns.toml, sim.toml, wrist.toml)\n",
+        "(shipped: bento.toml, clinic.toml, joystick.toml, myo.toml, nexting.toml, patterns.toml, sim.toml, "
+        "wrist.toml)\n",
     )
 
 

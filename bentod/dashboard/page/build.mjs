@@ -8,9 +8,8 @@ import { fileURLToPath } from "node:url";
 import * as esbuild from "esbuild";
 
 const HERE = dirname(fileURLToPath(import.meta.url));
-const CHECK = process.argv.includes("--check");
 const KEPT = join(HERE, "..", "static");
-const OUT = CHECK ? await mkdtemp(join(tmpdir(), "bentod-page-")) : KEPT;
+const OUT = process.argv.includes("--watch") ? KEPT : await mkdtemp(join(tmpdir(), "bentod-page-"));
 const SHIPPED = ["three", "urdf-loader", "uplot", "@msgpack/msgpack"];
 const SOURCES = ["index.html", "package.json", "package-lock.json", "build.mjs", "src", "models"];
 
@@ -95,21 +94,24 @@ async function check() {
     return Boolean(one && other && one.equals(other));
   }));
   const different = names.filter((_, index) => !same[index]);
-  await rm(OUT, { recursive: true });
   if (!different.length) return console.log("The page that is kept is the one that is built.");
   console.error(`Build the page again (make page): ${different.join(", ")} differ.`);
   process.exitCode = 1;
 }
 
-await mkdir(OUT, { recursive: true });
+/** What was built takes the place of what was kept, once all of it is there. */
+async function keep() {
+  await rm(KEPT, { recursive: true, force: true });
+  await cp(OUT, KEPT, { recursive: true });
+}
+
 if (process.argv.includes("--watch")) {
   const context = await esbuild.context(options);
   await copyRest();
   await context.watch();
 } else {
-  await rm(OUT, { recursive: true, force: true });
-  await mkdir(OUT, { recursive: true });
   await esbuild.build(options);
   await copyRest();
-  if (CHECK) await check();
+  await (process.argv.includes("--check") ? check() : keep());
+  await rm(OUT, { recursive: true });
 }

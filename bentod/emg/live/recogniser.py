@@ -27,7 +27,10 @@ LONGEST_WAIT_S = 0.25
 LOST_S = 1.0
 """s without signals that can be believed, after which the muscles must be seen at rest."""
 
-NO_MODEL = "Nothing is recognised: there is no model yet; `bentod ctl emg-retrain` collects and trains."
+NO_MODEL = (
+    "Nothing is recognised: there is no model yet. Collect and train on the page (Muscles), "
+    "or by `bentod ctl emg-retrain`."
+)
 REST_FIRST = "Nothing is moved until the muscles have been recognised as at rest."
 
 

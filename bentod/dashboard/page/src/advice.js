@@ -112,7 +112,7 @@ const TABLE = [
     steps: ["Look at the amplifier: is it on, charged, plugged in, in reach? What can be opened again is opened by itself; a file that has ended needs a restart."],
   },
   {
-    words: /no emg sample/i,
+    words: /no emg sample|emg samples are .* old/i,
     name: "Muscle signals lost",
     steps: ["Look at the amplifier and its connection: battery, cable, radio.", "It goes on by itself; muscles must be seen at rest first."],
   },
@@ -148,9 +148,10 @@ const LIMITED = {
 
 /**
  * All that is wrong in a frame, the worst first; what the fault tells of a joint is not told again.
+ * `late`: ticks that were missed in the last minute.
  * @returns {Complaint[]}
  */
-export function complaints(frame) {
+export function complaints(frame, late = 0) {
   const found = frame.fault ? [complaint("The arm", frame.fault, true)] : [];
   const told = (joint) => /any joint/.test(frame.fault) || frame.fault.includes(joint.name);
   for (const one of frame.joints.flatMap((joint) => (told(joint) ? [] : ofJoint(joint)))) {
@@ -159,6 +160,7 @@ export function complaints(frame) {
     else found.push(one);
   }
   if (frame.emg?.problem) found.push(complaint("Muscle signals", frame.emg.problem, false));
+  if (late) found.push(complaint("The daemon", `Ticks missed in the last 60 s: ${late}.`, false, adviceFor("ticks were missed")));
   return found;
 }
 

@@ -4,6 +4,9 @@ import { Link } from "./link.js";
 import { Motion, whileHeld } from "./motion.js";
 import { notices } from "./notices.js";
 
+const SILENCE = 1000; // ms without a frame, after which what is shown is no longer now
+const LOOKS = 250; // ms between two looks for that
+
 export class App {
   constructor(token) {
     this.info = null;
@@ -17,6 +20,9 @@ export class App {
     this._listeners = { tick: [], emg: [], event: [], link: [], role: [], draw: [] };
     this._linkState = { page: false, daemon: false, why: "" };
     this._dirty = false;
+    this._heard = performance.now();
+    this._silentLooks = 0;
+    setInterval(() => this._listenFor(), LOOKS);
     this.link = new Link(token, {
       welcome: (told) => this._welcome(told),
       frame: (state, emg, told) => this.feed(state, emg, told),
@@ -24,7 +30,7 @@ export class App {
       dropped: (key, why) => this.motion.dropped(key, why),
       link: (state) => this._linked(state),
     });
-    this.motion = new Motion(this.link, () => this._linkState.page && this._linkState.daemon && this.role === "operator");
+    this.motion = new Motion(this.link, () => this._linkState.daemon && this.role === "operator" && !this.replaying);
     document.addEventListener("visibilitychange", () => this._schedule());
   }
 
@@ -39,6 +45,11 @@ export class App {
 
   get stats() {
     return { received: this.link.received, skipped: this.link.skipped };
+  }
+
+  /** Whether a recording is shown, and no arm. */
+  get replaying() {
+    return this.methods.has("replay_get");
   }
 
   can(name) {
@@ -147,6 +158,8 @@ export class App {
   feed(frame, emg = [], told = {}) {
     this.frame = frame;
     this.told = told;
+    this._heard = performance.now();
+    this._silentLooks = 0;
     if (!this._linkState.daemon) this._linked({ page: true, daemon: true, why: "" });
     this._emit("tick", frame);
     for (const [first_index, time, dropped, channels, data] of emg) {
@@ -173,8 +186,16 @@ export class App {
     this._isReady();
   }
 
+  /** A daemon that is held up says nothing: neither that it is gone. A page that was held up hears late. */
+  _listenFor() {
+    const silent = performance.now() - this._heard > SILENCE && this.frame && !this.replaying;
+    this._silentLooks = silent ? this._silentLooks + 1 : 0;
+    if (this._silentLooks === 2 && this._linkState.daemon) this._linked({ page: true, daemon: false, why: "silent" });
+  }
+
   _linked(state) {
     this._linkState = state;
+    document.body.dataset.link = state.daemon ? "up" : "lost";
     if (!state.daemon) this.motion?.releaseAll();
     this._emit("link", state);
   }

@@ -7,6 +7,7 @@ import { el } from "./dom.js";
 import { rangesOf } from "./joints_bar.js";
 import { Model, Stage } from "./scene.js";
 import { inOneBreath, sentences } from "./sentences.js";
+import { around } from "./sentences_around.js";
 import { angleWord } from "./sentences_words.js";
 import { sentence, words } from "./units.js";
 import "./arm3d.css";
@@ -30,6 +31,7 @@ export function armView(app) {
   const view = new ArmView(app);
   app.arm3d = view;
   app.onFrame((frame) => view.show(frame), { element: view.element });
+  app.onLink(() => view.link());
   return view.element;
 }
 
@@ -53,11 +55,18 @@ class ArmView {
     this.ready = this.#load();
   }
 
+  /** Hide what is no longer known, or show what is again. */
+  link() {
+    this.element.classList.toggle("arm3d-old", !this.app.linkState.daemon);
+    this.said = -Infinity;
+    this.show(this.app.frame);
+  }
+
   /** Take in a frame of get_state; draws only if it looks different from the last one. */
   show(frame) {
     if (!frame) return;
     this.#describe(frame);
-    const next = picture(frame);
+    const next = picture(frame, this.app.linkState.daemon);
     if (this.info !== this.app.info) this.range();
     if (alike(this.picture, next)) return;
     this.picture = next;
@@ -88,13 +97,14 @@ class ArmView {
   draw() {
     this.box.hidden = this.flat;
     this.schematic.element.hidden = !this.flat;
+    this.controls.show(this.flat, this.stage !== null && !this.lost && !this.strange);
     if (!this.picture) return;
     if (this.flat) {
       this.schematic.show(this.strange ? null : this.model, this.picture);
       return;
     }
     this.stage.draw();
-    this.#place();
+    this.#label();
   }
 
   /** Take the limits from what is known of the arm, and show them if they are wanted. */
@@ -170,16 +180,13 @@ class ArmView {
     const now = performance.now();
     if (now - this.said < BREATH) return;
     this.said = now;
-    this.canvas.setAttribute("aria-label", `The arm. ${inOneBreath(sentences(frame))}`);
+    this.canvas.setAttribute("aria-label", `The arm. ${inOneBreath(sentences(frame, around(this.app)))}`);
   }
 
-  #place() {
+  #label() {
     const { attended, angles } = this.picture;
-    const spot = this.stage.spot(attended);
-    this.label.hidden = spot === null || !(attended in angles);
+    this.label.hidden = !(attended in angles);
     if (this.label.hidden) return;
     this.label.textContent = `${sentence(words(attended))} ${angleWord(angles[attended])}`;
-    this.label.style.setProperty("--left", `${(spot.x * 100).toFixed(2)}%`);
-    this.label.style.setProperty("--top", `${(spot.y * 100).toFixed(2)}%`);
   }
 }

@@ -9,6 +9,13 @@ const LEGEND = {
   attended: ["◯", "attended to"],
 };
 
+/** The same where the arm is drawn as lines. */
+const FLAT_LEGEND = {
+  now: ["━ ●", "now"],
+  ghost: ["┅ ○", "expected"],
+  attended: ["▸", "attended to"],
+};
+
 const HINT = "Drag, or arrow keys: turn the view. + and −: zoom. Home, or double click: as at first.";
 
 export class ArmControls {
@@ -19,7 +26,11 @@ export class ArmControls {
     this.signs = {};
     this.told = el("p", { class: "arm3d-note", role: "status" });
     this.hint = el("p", { class: "visually-hidden", id: "arm3d-hint", text: HINT });
-    this.element = el("div", { class: "arm3d-controls" }, this.told, this.#legend(), this.#bar(), this.hint);
+    this.legend = this.#legend(LEGEND, (name, sign) => this.#sign(name, sign));
+    this.flatLegend = this.#legend(FLAT_LEGEND, (name, sign) => signed(name, sign));
+    this.bar = this.#bar();
+    const legends = [this.legend, this.flatLegend];
+    this.element = el("div", { class: "arm3d-controls" }, this.told, ...legends, this.bar, this.hint);
   }
 
   get wantsLines() {
@@ -28,6 +39,14 @@ export class ArmControls {
 
   get wantsLimits() {
     return this.limits.get();
+  }
+
+  /** Offer what works: `flat` while lines are shown, `solid` where anything else can be. */
+  show(flat, solid) {
+    this.legend.hidden = flat;
+    this.flatLegend.hidden = !flat;
+    for (const part of this.solidOnly) part.hidden = flat;
+    this.bar.hidden = !solid;
   }
 
   /** Say something about the drawing; empty: nothing to be said. */
@@ -46,27 +65,26 @@ export class ArmControls {
     addEventListener("themechange", () => this.view.paint());
   }
 
-  #legend() {
-    const entries = Object.entries(LEGEND).map(([name, [sign, meaning]]) => {
-      return el("li", {}, this.#sign(name, sign), ` ${meaning}`);
+  #legend(meanings, drawn) {
+    const entries = Object.entries(meanings).map(([name, [sign, meaning]]) => {
+      return el("li", {}, drawn(name, sign), ` ${meaning}`);
     });
     return el("ul", { class: "arm3d-legend" }, ...entries);
   }
 
   #bar() {
-    return el(
-      "div",
-      { class: "arm3d-bar-of-buttons" },
+    this.solidOnly = [
       this.#check([this.#sign("range", "◔"), " Ranges"], this.limits, () => this.view.range()),
-      this.#check(["As lines"], this.lines, () => this.view.draw()),
       button("Nearer", () => this.view.stage?.orbit.zoom(1 / 1.2)),
       button("Farther", () => this.view.stage?.orbit.zoom(1.2)),
       button("Reset view", () => this.view.stage?.orbit.home()),
-    );
+    ];
+    const lines = this.#check(["As lines"], this.lines, () => this.view.draw());
+    return el("div", { class: "arm3d-bar-of-buttons" }, lines, ...this.solidOnly);
   }
 
   #sign(name, sign) {
-    this.signs[name] = el("span", { class: `arm3d-sign-${name}`, text: sign, "aria-hidden": "true" });
+    this.signs[name] = signed(name, sign);
     return this.signs[name];
   }
 
@@ -75,4 +93,8 @@ export class ArmControls {
     const box = el("input", { type: "checkbox", checked: setting.get(), on: { change } });
     return el("label", { class: "arm3d-check" }, box, ...words);
   }
+}
+
+function signed(name, sign) {
+  return el("span", { class: `arm3d-sign-${name}`, text: sign, "aria-hidden": "true" });
 }

@@ -1,6 +1,8 @@
 /** What of a frame can be drawn: pure. */
 
+import { isFresh } from "./sentences_alarms.js";
 import { attendedJoint, expectations } from "./sentences_expected.js";
+import { sureShare } from "./sentences_sure.js";
 
 /** rad from which on an expectation is worth a ghost. */
 const ELSEWHERE = 0.02;
@@ -20,36 +22,39 @@ const STRONGEST = 0.6;
  * @property {number} way of the attended joint: 1 towards higher angles, −1 towards lower, 0 at rest
  */
 
-/** @returns {Picture} */
-export function picture(frame) {
+/**
+ * @param {boolean} [isNow] whether the frame tells how the arm is now
+ * @returns {Picture}
+ */
+export function picture(frame, isNow = true) {
   const known = frame.joints.filter((joint) => Number.isFinite(joint.position));
   const angles = Object.fromEntries(known.map((joint) => [joint.name, joint.position]));
   const attended = attendedJoint(frame);
+  if (!isNow) return { angles, ghost: null, attended: "", way: 0 };
   return { angles, ghost: ghost(frame, angles), attended, way: way(frame, attended) };
 }
 
 function way(frame, attended) {
-  const velocity = frame.joints.find((joint) => joint.name === attended)?.velocity ?? 0;
+  const joint = frame.joints.find((one) => one.name === attended);
+  const velocity = joint && isFresh(joint) ? joint.velocity : 0;
   return Math.abs(velocity) < MOVING ? 0 : Math.sign(velocity);
 }
 
-/** The arm where its predictions say; as faint as the least sure of those that lie elsewhere. */
+/** The arm where predictions say that have come true before; as faint as the least sure of those that lie elsewhere. */
 function ghost(frame, angles) {
-  if (frame.mode !== "active") return null;
-  const told = [...expectations(frame)].filter(([name]) => name in angles);
+  const told = [...expectations(frame)].filter(([name, { error }]) => name in angles && error !== null);
   const elsewhere = told.filter(([name, { position }]) => Math.abs(position - angles[name]) > ELSEWHERE);
   if (!elsewhere.length) return null;
   const expected = Object.fromEntries(told.map(([name, { position }]) => [name, position]));
   return {
     angles: { ...angles, ...expected },
     moved: elsewhere.map(([name]) => name),
-    opacity: opacity(elsewhere.map(([, { confidence }]) => confidence)),
+    opacity: opacity(elsewhere.map(([, expectation]) => sureShare(expectation))),
   };
 }
 
-function opacity(confidences) {
-  const least = Math.min(...confidences.map((confidence) => Math.min(Math.max(confidence ?? 0, 0), 1)));
-  return FAINTEST + (STRONGEST - FAINTEST) * least;
+function opacity(shares) {
+  return FAINTEST + (STRONGEST - FAINTEST) * Math.min(...shares);
 }
 
 /** Whether two pictures would look the same: to a hundredth of a degree and of opacity. */

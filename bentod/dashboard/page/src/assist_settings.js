@@ -6,18 +6,20 @@ import { el } from "./dom.js";
 const DEGREES = 180 / Math.PI;
 const STEPS = 1000; // of a slider
 
-/** `per`: what one unit of the daemon's is on the screen; `log`: the slider's ends lie decades apart. */
+/** `per`: what one unit of the daemon's is on the screen; `log`: the slider's ends lie decades apart; `about`: what it is. */
 const DIALS = [
-  { name: "k", label: "Share of the way in one tick, k", unit: "", per: 1, log: true },
-  { name: "velocity_limit_rad_s", label: "Top speed of help", unit: "°/s", per: DEGREES, log: true },
-  { name: "manual_after_toggle_s", label: "Without help after a toggle", unit: "s", per: 1, log: false },
+  { name: "k", label: "How briskly help goes there", unit: "", per: 1, log: true, about: "k, the share of the way to the expected angle that help goes in one tick" },
+  { name: "velocity_limit_rad_s", label: "Top speed of help", unit: "°/s", per: DEGREES, log: true, about: "Help moves no joint faster; each joint's own top speed holds besides" },
+  { name: "manual_after_toggle_s", label: "Without help after a toggle", unit: "s", per: 1, log: false, about: "After the operator has chosen another joint, nothing helps for so long" },
 ];
 
 /** `change`: asks the daemon for other settings. */
 export function settingsPart(app, change) {
   const table = app.methodTable.find((method) => method.name === "assist_set");
   const boundsOf = (name) => table?.parameters.find((one) => one.name === name) ?? {};
-  const dials = DIALS.map((given) => new Dial(given, boundsOf(given.name), (value) => change({ [given.name]: value })));
+  const fastest = Math.max(...app.info.joints.map((joint) => joint.max_velocity_rad_s));
+  const enough = { velocity_limit_rad_s: 2 * fastest }; // where a slider ends: beyond it nothing changes
+  const dials = DIALS.map((given) => new Dial({ ...given, enough: enough[given.name] }, boundsOf(given.name), (value) => change({ [given.name]: value })));
   const timescale = new Timescale((value) => change({ timescale: value }));
   const by = new Choice("How another timescale is found", boundsOf("timescale_by").choices ?? [], (value) => change({ timescale_by: value }));
   const element = el("fieldset", { class: "assist-settings" }, el("legend", { text: "Settings" }), timescale.element, ...dials.map((dial) => dial.element), by.element);
@@ -31,10 +33,11 @@ export function settingsPart(app, change) {
 
 class Dial {
   /** `bounds`: the daemon's description of the parameter; `change` gets a number in its unit. */
-  constructor({ name, label, unit, per, log }, bounds, change) {
+  constructor({ name, label, unit, per, log, about, enough = Infinity }, bounds, change) {
     Object.assign(this, { name, per, log, unit });
     this.low = (bounds.minimum ?? 0) * per;
     this.high = (bounds.maximum ?? 1) * per;
+    this.top = Math.min(this.high, enough * per);
     const within = `from ${short(this.low)} to ${short(this.high)}${unit && ` ${unit}`}`;
     this.slider = el("input", { type: "range", min: 0, max: STEPS, class: `assist-${name}-slider`, "aria-label": `${label}, ${within}` });
     // No min, max and step: rounded for the screen, they would refuse values that the daemon takes.
@@ -45,7 +48,7 @@ class Dial {
     this.number.addEventListener("blur", () => (this.editing = false));
     this.slider.addEventListener("change", () => this.#done(change));
     this.number.addEventListener("change", () => this.#typed(change, within));
-    const head = el("span", { class: "assist-dial-name", text: label });
+    const head = el("span", { class: "assist-dial-name", text: label, title: about });
     this.element = el("div", { class: "assist-dial" }, head, this.slider, this.number, el("span", { class: "unit", text: unit }));
   }
 
@@ -87,12 +90,12 @@ class Dial {
   }
 
   #place(shown) {
-    const value = Math.min(Math.max(shown, this.low), this.high);
-    return this.log ? Math.log(value / this.low) / Math.log(this.high / this.low) : (value - this.low) / (this.high - this.low);
+    const value = Math.min(Math.max(shown, this.low), this.top);
+    return this.log ? Math.log(value / this.low) / Math.log(this.top / this.low) : (value - this.low) / (this.top - this.low);
   }
 
   #at(place) {
-    return this.log ? this.low * (this.high / this.low) ** place : this.low + place * (this.high - this.low);
+    return this.log ? this.low * (this.top / this.low) ** place : this.low + place * (this.top - this.low);
   }
 }
 

@@ -3,6 +3,7 @@
 
 import { copied } from "./clipboard.js";
 import { button, el, say } from "./dom.js";
+import { sideways } from "./sideways.js";
 import { volts, words } from "./units.js";
 
 export class CalibrationResult {
@@ -17,7 +18,7 @@ export class CalibrationResult {
     this.lines = el("pre", { class: "calibration-lines", tabindex: 0, "aria-label": "Lines for the config file" });
     this.keep = el("div", { class: "calibration-keep" }, keepWords(), this.lines, button("Copy the lines", () => this.#copy()));
     this.done = el("p", { class: "calibration-done", role: "status" });
-    const table = el("div", { class: "scroll" }, el("table", {}, head(), this.rows));
+    const table = sideways(el("div", { class: "scroll" }, el("table", {}, head(), this.rows)));
     this.element = el("div", { class: "calibration-result", hidden: true }, el("h3", { text: "What was found" }), table, this.remarks, el("div", { class: "row" }, this.use, this.undo, this.close), this.done, this.keep);
   }
 

@@ -4,6 +4,7 @@
 import { el, say, section } from "./dom.js";
 import { Delay } from "./clients_delay.js";
 import { factList } from "./health_timing.js";
+import { sideways } from "./sideways.js";
 import { asking, atMost } from "./sparing.js";
 import { seconds } from "./units.js";
 
@@ -15,7 +16,7 @@ export function clientsPart(app) {
   const own = factList(["Frames received", "Left out, because this page was slow", "Delay beyond the quickest frame", "The server answers within", "Browsers"]);
   const head = el("tr", {}, ...COLUMNS.map((title) => el("th", { scope: "col", text: title })));
   const body = el("tbody", {});
-  const table = el("div", { class: "scroll", tabindex: 0, role: "group", "aria-label": "Clients of the daemon" }, el("table", { class: "clients-table" }, el("thead", {}, head), body));
+  const table = sideways(el("div", { class: "scroll", tabindex: 0, role: "group", "aria-label": "Clients of the daemon" }, el("table", { class: "clients-table" }, el("thead", {}, head), body)));
   const element = section("Connections", el("h3", { text: "This page" }), own.element, el("h3", { text: "Clients of the daemon" }), table);
   const delay = new Delay();
   const server = { browsers: "–", answered: NaN, began: 0 };

@@ -2,8 +2,8 @@
 import "./gamepad.css";
 import { button, el, say, section } from "./dom.js";
 import { Drive } from "./gamepad_drive.js";
-import { usual } from "./padmapping.js";
-import { percent, words } from "./units.js";
+import { buttonName, usual } from "./padmapping.js";
+import { percent, sentence, words } from "./units.js";
 
 const MEANINGS = {
   toggle: "next joint of",
@@ -23,9 +23,8 @@ export function gamepadPanel(app) {
   const deadMan = el("p", { class: "gamepad-deadman" });
   const own = button("Pause the gamepad", () => drive.pause(!drive.paused), { class: "gamepad-own", "aria-pressed": "false" });
   const rows = el("div", { class: "gamepad-rows" });
-  const headless = el("p", { class: "gamepad-headless soft" });
   const choice = el("div", { class: "row" });
-  const panel = section("Gamepad", status, deadMan, el("div", { class: "row" }, own, choice), rows, headless);
+  const panel = section("Gamepad", status, deadMan, el("div", { class: "row" }, own, choice), rows);
   let view = null;
   let look = null;
 
@@ -50,7 +49,6 @@ export function gamepadPanel(app) {
 
   use(drive.mapping);
   offerTheConfigs(app, choice, use);
-  app.onFrame((frame) => say(headless, headlessOf(frame.joystick)), { element: headless });
   if (app.frame?.joystick?.connected) drive.pause(true); // else one pad might drive twice
   draw();
   return Object.assign(panel, { drive });
@@ -87,7 +85,7 @@ function mappingView(mapping) {
   );
   const show = (look) => {
     axes.forEach((row, place) => row.show(look?.shaped[place] ?? 0, look?.asked[place] ?? 0));
-    buttons.forEach((row) => row.show(look?.buttons[row.number] ?? false));
+    buttons.forEach((row) => row.show(look?.buttons[row.number] ?? false, look?.standard));
   };
   return { element, show };
 }
@@ -111,9 +109,14 @@ function buttonRow(mapped) {
   const state = el("span", { class: "gamepad-value", text: "○ up" });
   const about = [MEANINGS[mapped.action], mapped.group ?? mapped.joint, mapped.mark && `“${mapped.mark}”`];
   if (mapped.action === "torque") about.push(mapped.on ? "on" : "off");
-  const name = `Button ${mapped.button}: ${words(about.filter(Boolean).join(" "))}`;
-  const element = el("li", { class: "gamepad-row" }, el("span", { class: "gamepad-name", text: name }), state);
-  return { element, number: mapped.button, show: (down) => say(state, down ? "● down" : "○ up") };
+  const meaning = words(about.filter(Boolean).join(" "));
+  const name = el("span", { class: "gamepad-name" });
+  const element = el("li", { class: "gamepad-row" }, name, state);
+  const show = (down, standard) => {
+    say(name, `${sentence(buttonName(mapped.button, standard))}: ${meaning}`);
+    say(state, down ? "● down" : "○ up");
+  };
+  return { element, number: mapped.button, show };
 }
 
 function statusOf(look) {
@@ -124,14 +127,8 @@ function statusOf(look) {
 
 function deadManOf(number, look) {
   if (number === false) return "No dead man's button: axes move the arm at once.";
-  if (!look?.held) return `□ Hold button ${number} to move anything.`;
+  const name = buttonName(number, look?.standard);
+  if (!look?.held) return `□ Hold the ${name} to move anything.`;
   const counts = !look.why && !look.paused;
-  return counts ? `■ Button ${number} is held: axes move the arm.` : `■ Button ${number} is held, but nothing moves.`;
-}
-
-function headlessOf(joystick) {
-  if (!joystick) return "";
-  if (!joystick.connected) return `The arm's own joystick: ${joystick.problem}`;
-  if (joystick.paused) return "The arm's own joystick is paused.";
-  return `The arm's own joystick: ${joystick.problem || (joystick.held ? "dead man held" : "dead man let go")}`;
+  return counts ? `■ The ${name} is held: axes move the arm.` : `■ The ${name} is held, but nothing moves.`;
 }

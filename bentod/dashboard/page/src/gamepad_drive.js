@@ -1,5 +1,5 @@
 // A gamepad that drives the arm: looked at once a picture, while somebody sees the page and it has the keyboard.
-import { Presses, Sticks, targets } from "./padmapping.js";
+import { Presses, Sticks, buttonName, targets } from "./padmapping.js";
 
 const RESTRAINT = new Set(["stop", "pause", "own_pause"]); // always heard
 const PERMITS = new Set(["release", "torque", "home"]); // may set the arm in motion: the dead man must be held
@@ -15,6 +15,7 @@ export class Drive {
     this._held = new Map(); // effort by target
     this._home = null;
     this.paused = false;
+    this.standard = true; // whether the browser knows which button is where
     this.use(mapping);
     setInterval(() => performance.now() - this._looked > BLIND && this._letGo(), 50);
     setInterval(() => this._begin(), 500);
@@ -50,13 +51,24 @@ export class Drive {
       this._show(null);
       return;
     }
+    const which = `${found.index} ${found.id}`;
+    if (which !== this._which) this._changeHands(which);
     this._looked = performance.now();
     this._take(found);
     requestAnimationFrame(() => this._look());
   }
 
+  /** Another pad: whatever it shows now, it must first be seen at rest. */
+  _changeHands(which) {
+    this._which = which;
+    this._letGo();
+    this._presses.reset();
+    this._sticks.reset();
+  }
+
   _take(found) {
     const buttons = found.buttons.map((button) => button.pressed);
+    this.standard = found.mapping === "standard";
     const why = this._obstacle(found, buttons);
     if (why) this._letGo();
     const seen = this._sticks.step(found.axes, buttons);
@@ -64,7 +76,7 @@ export class Drive {
     const quiet = this.paused || Boolean(why) || this._sticks.waiting;
     this._moveAll(targets(this.mapping, quiet ? seen.asked.map(() => 0) : seen.asked));
     this._keepHome(buttons, seen.held && !quiet);
-    this._show({ name: found.id, buttons, ...seen, why: why || this._waiting(), paused: this.paused });
+    this._show({ name: found.id, standard: this.standard, buttons, ...seen, why: why || this._waiting(), paused: this.paused });
   }
 
   /** Why nothing may move, be it that the stick is pushed. */
@@ -72,7 +84,7 @@ export class Drive {
     const { axes, dead_man: deadMan, still_s: still } = this.mapping;
     const missing = axes.find((axis) => !(axis.axis in found.axes));
     if (missing) return `This gamepad has no axis ${missing.axis}.`;
-    if (deadMan !== false && !(deadMan in buttons)) return `This gamepad has no button ${deadMan}.`;
+    if (deadMan !== false && !(deadMan in buttons)) return `This gamepad has no ${this._name(deadMan)}.`;
     if (!document.hasFocus()) return "Click into the page first.";
     if (this._app.role !== "operator") return "You look only.";
     const now = JSON.stringify([found.axes, buttons]);
@@ -81,9 +93,13 @@ export class Drive {
     return stuck ? `Nothing of the gamepad has changed for ${still} s: let go.` : "";
   }
 
+  _name(number) {
+    return buttonName(number, this.standard);
+  }
+
   _waiting() {
     if (!this._sticks.waiting || this.paused) return "";
-    const also = this.mapping.dead_man === false ? "" : ` and button ${this.mapping.dead_man} was let go`;
+    const also = this.mapping.dead_man === false ? "" : ` and the ${this._name(this.mapping.dead_man)} was let go`;
     return `It moves nothing until every axis was at rest${also}.`;
   }
 
@@ -125,7 +141,7 @@ export class Drive {
     const button = this.mapping.buttons.find((one) => one.button === number);
     if (!button || ((hushed || this.paused) && !RESTRAINT.has(button.action))) return;
     if (PERMITS.has(button.action) && !held) {
-      const how = this._waiting() || `Hold button ${this.mapping.dead_man}, then press ${number}.`;
+      const how = this._waiting() || `Hold the ${this._name(this.mapping.dead_man)}, then press the ${this._name(number)}.`;
       this._app.say(`Not done: ${button.action}. ${how}`, "warning");
       return;
     }

@@ -12,6 +12,7 @@ export function groupsPanel(app) {
   const panel = new GroupsPanel(app);
   app.onFrame((frame) => panel.show(frame), { element: panel.element });
   app.onRole(() => panel.rebuild());
+  app.onLink(() => panel.show(app.frame));
   app.key("[", "Previous joint of the first group", () => panel.toggleFirst("backward"));
   app.key("]", "Next joint of the first group", () => panel.toggleFirst("forward"));
   return panel.element;
@@ -88,12 +89,13 @@ class GroupCard {
     for (const [name, { choose, mark }] of this.joints) {
       const active = name === group.active && !group.together;
       choose.setAttribute("aria-pressed", String(active));
-      choose.disabled = !this.app.can("group_activate");
+      choose.disabled = !this.app.linkState.daemon || !this.app.can("group_activate");
       say(mark, active ? "▸ active" : group.together ? "▸ moves along" : "");
     }
     this.together.hidden = !group.together;
-    say(this.driver, driverWords(group.operator));
-    this.effort.show(group.effort);
+    const known = this.app.linkState.daemon;
+    say(this.driver, known ? driverWords(group, frame) : "not known now");
+    this.effort.show(known ? group.effort : NaN);
     this.#allow(group, frame);
     this.#explain(frame);
   }
@@ -104,9 +106,9 @@ class GroupCard {
   }
 
   #allow(group, frame) {
-    for (const toggle of this.toggles) toggle.disabled = !this.app.can("group_toggle");
+    for (const toggle of this.toggles) toggle.disabled = !this.app.linkState.daemon || !this.app.can("group_toggle");
     const moved = frame.joints.filter(({ name }) => (group.together ? group.joints.includes(name) : name === group.active));
-    const off = !this.app.can("group_command") || moved.some(({ mode }) => mode !== "active");
+    const off = !this.app.linkState.daemon || !this.app.can("group_command") || moved.some(({ mode }) => mode !== "active");
     for (const push of this.pushes) {
       if (off && !push.disabled) push.dispatchEvent(new Event("blur"));
       push.disabled = off;
@@ -134,8 +136,8 @@ class GroupCard {
   }
 
   #push(sign, way, share) {
-    const label = `${sign}: push the active joint of ${words(this.name)} to ${way > 0 ? "higher" : "lower"} angles: hold to move`;
-    const push = button(sign, () => {}, { class: `groups-push hold groups-${way > 0 ? "plus" : "minus"}`, "aria-label": label });
+    const label = `Hold ${sign}: push the active joint of ${words(this.name)} to ${way > 0 ? "higher" : "lower"} angles`;
+    const push = button(`Hold ${sign}`, () => {}, { class: `groups-push hold groups-${way > 0 ? "plus" : "minus"}`, "aria-label": label });
     return this.app.holdButton(push, `group ${this.name} ${sign}`, () => ["group_command", { group: this.name, effort: way * share() }]);
   }
 }
@@ -151,7 +153,7 @@ class EffortBar {
   }
 
   show(effort) {
-    const shown = Math.round(100 * effort);
+    const shown = Math.round(100 * (effort || 0));
     const half = Math.min(Math.abs(shown), 100) / 2;
     this.fill.style.setProperty("width", `${half}%`);
     this.fill.style.setProperty("left", `${shown < 0 ? 50 - half : 50}%`);
@@ -160,7 +162,12 @@ class EffortBar {
   }
 }
 
-function driverWords(operator) {
+const WAITS = { paused: "○ paused", limp: "○ limp", holding: "○ holding still", fault: "○ stopped by a fault" };
+
+/** Who drives a group; while it waits, that. */
+function driverWords({ operator, active }, frame) {
+  const mode = frame.mode === "active" ? frame.joints.find(({ name }) => name === active)?.mode : frame.mode;
+  if (mode in WAITS) return WAITS[mode];
   if (!operator) return "○ nobody drives it";
   if (operator === "emg") return "● driven by the muscles";
   const [kind, name] = operator.split(":");

@@ -1,6 +1,7 @@
 // The bar that is always in sight: what the arm is doing in a word, and how to stop it.
 import { button, el, say } from "./dom.js";
 import { homeButton } from "./home.js";
+import { guard, whileKnown } from "./known.js";
 import "./header.css";
 
 const WORDS = {
@@ -10,7 +11,15 @@ const WORDS = {
   paused: ["Paused", "the arm holds still"],
   fault: ["Fault", "the arm has stopped"],
 };
-const LOST = { page: ["No page", "the page has lost its server"], daemon: ["No daemon", "nothing is known of the arm"] };
+const LOST = {
+  page: ["No server", "the page has lost it: nothing is known of the arm"],
+  daemon: ["No daemon", "nothing is known of the arm"],
+  silent: ["Nothing heard", "for more than a second: what is shown is old"],
+};
+const REPLAY = ["Replay", "a recording: no arm moves"];
+const ANSWER = 500; // ms in which STOP is answered
+const JUST = 600; // ms for which a button that has turned round does nothing
+const SURE = 4000; // ms within which the second press must come, where one might let an arm fall
 
 export function header(app) {
   const word = el("strong", { class: "mode-word" });
@@ -20,10 +29,11 @@ export function header(app) {
   const bar = el("header", { class: "bar" }, names(app), mode, el("div", { class: "verbs" }, pauseButton(app), torqueButton(app), homeButton(app)), stopButton(app), fault);
 
   function show() {
-    const { page, daemon } = app.linkState;
-    const state = !page ? "lost" : !daemon ? "lost" : app.frame?.mode ?? "lost";
-    const [name, meaning] = WORDS[state] ?? (page ? LOST.daemon : LOST.page);
-    bar.dataset.mode = state;
+    const { page, daemon, why } = app.linkState;
+    const state = daemon ? (app.frame?.mode ?? "lost") : "lost";
+    const lost = LOST[!page ? "page" : why === "silent" ? "silent" : "daemon"];
+    const [name, meaning] = app.replaying && daemon ? REPLAY : (WORDS[state] ?? lost);
+    bar.dataset.mode = app.replaying && daemon ? "replay" : state;
     say(word, name);
     say(detail, meaning);
     say(fault, state === "fault" ? app.frame.fault : "");
@@ -36,7 +46,7 @@ export function header(app) {
 
 function names(app) {
   const role = el("span", { class: "role" });
-  app.onRole(() => say(role, app.role === "operator" ? "operator" : "looking only"));
+  app.onRole(() => say(role, app.replaying ? "a recording" : app.role === "operator" ? "operator" : "looking only"));
   return el("div", { class: "names" }, el("h1", { text: app.info?.arm ?? "bentod" }), role);
 }
 
@@ -44,10 +54,14 @@ function names(app) {
 function stopButton(app) {
   const stop = async () => {
     app.motion.releaseAll();
+    if (app.replaying) return app.say("This is a recording: no arm moves.", "info");
+    const late = setTimeout(() => app.say("STOP has not been answered yet. If the arm moves, cut its power.", "error"), ANSWER);
     try {
       await app.call("stop");
     } catch (error) {
       app.say(`STOP did not reach the arm: ${error.message} Cut its power.`, "error");
+    } finally {
+      clearTimeout(late);
     }
   };
   app.key("Escape", "Stop the arm at once", stop);
@@ -55,26 +69,45 @@ function stopButton(app) {
 }
 
 function pauseButton(app) {
-  const toggle = () => app.act("pause", { on: app.frame?.mode === "active" });
+  const turned = guard(JUST);
+  const toggle = () => {
+    const moving = app.frame?.mode === "active";
+    if (moving || turned.settled()) app.act("pause", { on: moving });
+  };
   const element = button("Pause", toggle, { id: "pause" });
-  app.key("p", "Pause, or release", toggle);
+  app.key("p", "Pause", () => app.act("pause", { on: true }));
   app.onFrame((frame) => {
     const moving = frame.mode === "active";
+    turned.see(moving);
     say(element, moving ? "Pause" : "Release");
-    element.title = moving ? "Stop and hold, whatever the muscles say (P)" : "Let the arm obey again (P)";
-    element.disabled = !app.can("pause") || !["active", "paused", "holding"].includes(frame.mode);
+    element.title = moving ? "Stop and hold, whatever the muscles say (P)" : "Let the arm obey again";
   });
+  whileKnown(app, element, () => app.can("pause") && ["active", "paused", "holding"].includes(app.frame?.mode));
   return element;
 }
 
+/** An arm that goes limp falls, so that takes two presses. */
 function torqueButton(app) {
-  const element = button("Torque off", () => app.act("torque", { on: element.dataset.on !== "true" }), { id: "torque" });
+  let on = true;
+  let asked = -Infinity;
+  const unsure = () => on && performance.now() - asked > SURE;
+  const name = () => say(element, !on ? "Torque on" : unsure() ? "Torque off" : "It may fall: press again");
+  const press = () => {
+    if (unsure()) {
+      asked = performance.now();
+      setTimeout(name, SURE + 50);
+    } else {
+      asked = -Infinity;
+      app.act("torque", { on: !on });
+    }
+    name();
+  };
+  const element = button("Torque off", press, { id: "torque" });
   app.onFrame((frame) => {
-    const on = frame.joints.some((joint) => joint.torque);
-    element.dataset.on = on;
-    say(element, on ? "Torque off" : "Torque on");
+    on = frame.joints.some((joint) => joint.torque);
+    name();
     element.title = on ? "Let every joint go limp: gravity takes the arm" : "Pin every joint where it hangs, and pause";
-    element.disabled = !app.can("torque");
   });
+  whileKnown(app, element, () => app.can("torque"));
   return element;
 }

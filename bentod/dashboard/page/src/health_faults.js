@@ -2,6 +2,7 @@
 /** What is wrong, since when, what to do about it, and the way back from a fault in three steps. */
 
 import { complaints } from "./advice.js";
+import { growth } from "./health_missed.js";
 import { button, el, say, section } from "./dom.js";
 import { clockTime, sentence, words } from "./units.js";
 
@@ -10,6 +11,7 @@ export function faultsPart(app) {
   const part = new Faults(app);
   app.onTick((frame) => part.watch(frame));
   app.onFrame((frame) => part.show(frame), { element: part.element });
+  app.onLink(({ daemon }) => part.linked(daemon));
   return part.element;
 }
 
@@ -18,6 +20,7 @@ class Faults {
   since = new Map();
   fresh = true; // no frame has been seen yet
   key = "";
+  missed = growth();
 
   constructor(app) {
     this.app = app;
@@ -29,7 +32,8 @@ class Faults {
 
   /** Also while out of sight: how long something lasts is only known to who saw it begin. */
   watch(frame) {
-    const found = complaints(frame);
+    this.missed.add(frame.missed ?? 0, frame.time);
+    const found = complaints(frame, this.missed.recent);
     const keys = new Set(found.map(keyOf));
     for (const key of this.since.keys()) if (!keys.has(key)) this.since.delete(key);
     for (const key of keys) if (!this.since.has(key)) this.since.set(key, { time: frame.time, seen: !this.fresh });
@@ -37,16 +41,30 @@ class Faults {
     this.found = found;
   }
 
+  /** Without the daemon, what was so last is not told as if it were so now. */
+  linked(daemon) {
+    this.list.hidden = this.way.element.hidden = !daemon;
+    if (daemon) return;
+    this.element.dataset.state = "unknown";
+    say(this.state, "? Nothing is known: the daemon is not heard");
+  }
+
   show(frame) {
+    if (!this.app.linkState.daemon) return;
     const found = this.found ?? complaints(frame);
     const key = found.map(keyOf).join("\n");
     if (key !== this.key) this.#build(found);
     this.key = key;
-    found.forEach((one, place) => say(this.list.children[place].querySelector(".health-since"), this.#since(one, frame)));
+    found.forEach((one, place) => this.#tell(this.list.children[place], one, frame));
     const grave = found.some((one) => one.grave);
     this.element.dataset.state = grave ? "bad" : found.length ? "warning" : "good";
     say(this.state, grave ? "⚠ Something is wrong" : found.length ? "△ Something is worth a look" : "✓ Nothing is wrong");
     this.way.show(frame);
+  }
+
+  #tell(item, one, frame) {
+    say(item.querySelector(".health-since"), this.#since(one, frame));
+    say(item.querySelector(".health-text"), one.text);
   }
 
   #build(found) {

@@ -34,7 +34,7 @@ class Practice {
   #told() {
     const { whole, like, todo } = practiceOf(this.fault.value);
     this.joint.disabled = whole;
-    say(this.like, `${like} ${todo}`);
+    say(this.like, `“Break it” does this: ${inner(like)} What then helps: ${inner(todo)}`);
   }
 
   #chosen() {
@@ -55,5 +55,8 @@ class Practice {
     this.mends.replaceChildren(...[...this.broken].map(mend));
   }
 }
+
+/** A sentence that goes on after a colon. */
+const inner = (text) => text.charAt(0).toLowerCase() + text.slice(1);
 
 const field = (text, input) => el("label", { class: "field" }, el("span", { text }), input);

@@ -3,6 +3,7 @@
 
 import { el, say, section } from "./dom.js";
 import { factList } from "./health_timing.js";
+import { sideways } from "./sideways.js";
 import { atMost } from "./sparing.js";
 import { number, percent, seconds, sentence, words } from "./units.js";
 
@@ -17,7 +18,7 @@ export function servosPart(app) {
   const facts = factList(["A round on the bus", "Oldest reading"]);
   const head = el("tr", {}, ...COLUMNS.map((title) => el("th", { scope: "col", text: title })));
   const body = el("tbody", {});
-  const table = el("div", { class: "scroll", tabindex: 0, role: "group", "aria-label": "Servos" }, el("table", { class: "health-servos" }, el("thead", {}, head), body));
+  const table = sideways(el("div", { class: "scroll", tabindex: 0, role: "group", "aria-label": "Servos" }, el("table", { class: "health-servos" }, el("thead", {}, head), body)));
   const element = section("Servos", facts.element, table);
   let rows = new Map();
   const show = (frame) => {

@@ -2,6 +2,7 @@
 /** How the daemon keeps time: rate, how late ticks begin, and what a tick's time goes to. */
 
 import { adviceFor, complaints } from "./advice.js";
+import { growth, SPAN } from "./health_missed.js";
 import { el, say, section } from "./dom.js";
 import { BINS, Histogram, edgeOf } from "./histogram.js";
 import { phasesBar } from "./health_phases.js";
@@ -9,7 +10,6 @@ import { atMost } from "./sparing.js";
 import { number, seconds } from "./units.js";
 
 const FACTS = ["Rate", "Tick", "Missed", "Left out by learners"];
-const SPAN = 60; // s
 
 /** @returns {HTMLElement} */
 export function timingPart(app) {
@@ -18,8 +18,7 @@ export function timingPart(app) {
   const chart = lateChart();
   const phases = phasesBar(app);
   const missed = growth();
-  const advice = el("p", { class: "health-late", hidden: true, text: `△ ${adviceFor("ticks were missed").steps.join(" ")}` });
-  const element = section("Timing", facts.element, advice, el("h3", { text: "How late ticks begin" }), chart.element, phases.element);
+  const element = section("Timing", facts.element, el("h3", { text: "How late ticks begin" }), chart.element, phases.element);
   app.health = { histogram, adviceFor, complaints };
   app.onTick((frame) => {
     histogram.add(frame.lateness, frame.time);
@@ -27,27 +26,11 @@ export function timingPart(app) {
   });
   const show = (frame) => {
     facts.show([number(frame.rate_hz, 0, "Hz"), String(frame.tick), `${frame.missed} ticks, ${missed.recent} of them in the last ${SPAN} s`, `${frame.shed} updates`]);
-    advice.hidden = missed.recent === 0;
     chart.show(histogram);
     phases.show();
   };
   app.onFrame(atMost(500, show), { element });
   return element;
-}
-
-/** By how much a count has grown in the last minute. */
-function growth() {
-  let seen = [];
-  return {
-    add(count, time) {
-      if (seen.length && (time < seen[seen.length - 1].time || count < seen[seen.length - 1].count)) seen = []; // another daemon
-      seen.push({ count, time });
-      while (seen[0].time < time - SPAN) seen.shift();
-    },
-    get recent() {
-      return seen.length ? seen[seen.length - 1].count - seen[0].count : 0;
-    },
-  };
 }
 
 /** Names with values that change. */

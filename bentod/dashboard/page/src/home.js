@@ -1,14 +1,18 @@
 // Going home: asked for once, leased for as long as the page is seen, with progress and a way to end it.
 import { button, say } from "./dom.js";
+import { guard, whileKnown } from "./known.js";
 
 const KEY = "home";
+const JUST = 600; // ms for which a button that has turned round does nothing
 const RUNNING = new Set(["accepted", "moving"]);
 
 export function homeButton(app) {
   let before = null; // number of the goal that had ended before this page asked for one
   const asking = () => app.motion.keys.includes(KEY);
+  const turned = guard(JUST);
   const toggle = () => {
     if (running(app.frame)) return end();
+    if (!turned.settled()) return undefined;
     before = app.frame?.goal?.id ?? null;
     return app.hold(KEY, "go_home", { joints: null }, undefined, true);
   };
@@ -16,11 +20,12 @@ export function homeButton(app) {
   const element = button("Home", toggle, { id: "home" });
   app.onFrame((frame) => {
     const goal = frame.goal;
+    turned.see(running(frame));
     if (asking() && goal && goal.id !== before && !RUNNING.has(goal.status)) over(app, goal);
     say(element, running(frame) ? `Cancel home ${Math.round(goal.progress * 100)} %` : "Home");
     element.title = running(frame) ? "End going home, and hold" : "Send every joint home (for as long as this page is open)";
-    element.disabled = !app.can("go_home");
   });
+  whileKnown(app, element, () => app.can("go_home"));
   return element;
 }
 
@@ -28,5 +33,6 @@ const running = (frame) => Boolean(frame?.goal && RUNNING.has(frame.goal.status)
 
 function over(app, goal) {
   app.motion.forget(KEY);
-  if (goal.status === "cancelled") app.say(`Going home was ended: ${goal.reason}`, "warning");
+  const advice = app.frame.mode === "active" ? " Pause first, and nobody disturbs it." : "";
+  if (goal.status === "cancelled") app.say(`Going home was ended: ${goal.reason}.${advice}`, "warning");
 }

@@ -3,8 +3,9 @@
 import { el, say, section } from "./dom.js";
 import { JointActions } from "./joints_actions.js";
 import { JointBar, rangesOf } from "./joints_bar.js";
+import { silence } from "./sentences_alarms.js";
 import { attendedJoint, expectations } from "./sentences_expected.js";
-import { jointWords } from "./joints_words.js";
+import { UNKNOWN, jointWords } from "./joints_words.js";
 import { degrees, sentence, words } from "./units.js";
 import "./joints.css";
 
@@ -13,6 +14,7 @@ export function jointsPanel(app) {
   const panel = new JointsPanel(app);
   app.onFrame((frame) => panel.show(frame), { element: panel.element });
   app.onRole(() => panel.rebuild());
+  app.onLink(() => panel.show(app.frame));
   return panel.element;
 }
 
@@ -23,8 +25,9 @@ class JointsPanel {
   constructor(app) {
     this.app = app;
     this.share = app.setting("joints.jog", 25);
+    this.notice = el("p", { class: "joints-notice joints-warning", hidden: true });
     this.list = el("ul", { class: "joints-rows" });
-    this.element = section("Joints", this.#speed(), this.list);
+    this.element = section("Joints", this.#speed(), this.notice, this.list);
     this.element.classList.add("joints");
   }
 
@@ -40,9 +43,20 @@ class JointsPanel {
     if (this.info !== this.app.info || names.join() !== [...this.rows.keys()].join()) this.#build(names);
     const expected = expectations(frame);
     const attended = attendedJoint(frame);
+    const quiet = this.#announce(frame);
     for (const joint of frame.joints) {
-      this.rows.get(joint.name)?.show(joint, expected.get(joint.name)?.position, joint.name === attended);
+      const row = this.rows.get(joint.name);
+      if (this.app.linkState.daemon) row.show(joint, expected.get(joint.name)?.position, joint.name === attended, quiet);
+      else row.forget();
     }
+  }
+
+  /** What is wrong with all joints is told once; returns whether it was. */
+  #announce(frame) {
+    const all = frame.joints.length > 1 && frame.joints.every((joint) => joint.freshness !== "fresh");
+    this.notice.hidden = !all || !this.app.linkState.daemon;
+    if (all) say(this.notice, `⚠ ${silence(frame.joints)[0]}`);
+    return all;
   }
 
   #build(names) {
@@ -80,15 +94,27 @@ class Row {
     this.element = el("li", { class: "joints-row" }, ...parts);
   }
 
-  show(joint, expected, attended) {
-    const told = jointWords(joint, expected, this.spec);
+  show(joint, expected, attended, quiet) {
     this.bar.show(joint.position, expected);
+    this.element.classList.toggle("joints-attended", attended);
+    this.actions.show(joint);
+    this.#tell(jointWords(joint, expected, this.spec, quiet));
+  }
+
+  /** What was known is old. */
+  forget() {
+    this.bar.show(NaN, undefined);
+    this.element.classList.remove("joints-attended");
+    this.actions.forget();
+    this.#tell(UNKNOWN);
+  }
+
+  #tell(told) {
+    this.element.classList.toggle("joints-unknown", told === UNKNOWN);
     say(this.angle, told.angle);
     say(this.numbers, told.numbers);
     say(this.state, told.state);
     say(this.warning, told.warning);
-    this.element.classList.toggle("joints-attended", attended);
-    this.actions.show(joint);
   }
 
   #ends(range) {

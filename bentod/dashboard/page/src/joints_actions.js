@@ -40,6 +40,12 @@ export class JointActions {
     this.#name(this.torque, this.#torqueWord());
   }
 
+  /** Nothing can be asked of a joint that nobody hears of. */
+  forget() {
+    for (const jog of this.jogs) disable(jog, true);
+    this.pause.disabled = this.torque.disabled = true;
+  }
+
   #torqueWord() {
     if (this.limp) return "Torque on";
     return performance.now() - this.armed < SURE && this.armed ? "May fall: again" : "Torque off";
@@ -64,8 +70,8 @@ export class JointActions {
   }
 
   #jog(sign, way, spec, share) {
-    const label = `${words(this.name)} ${way > 0 ? "to higher" : "to lower"} angles: hold to move`;
-    const jog = button(sign, () => {}, { class: "joints-jog", "aria-label": label });
+    const label = `Hold ${sign}: ${words(this.name)} ${way > 0 ? "to higher" : "to lower"} angles`;
+    const jog = button(`Hold ${sign}`, () => {}, { class: "joints-jog", "aria-label": label });
     const velocity = () => way * share() * (spec?.max_velocity_rad_s ?? 0);
     this.app.holdButton(jog, `jog ${this.name} ${sign}`, () => ["move", { joint: this.name, velocity: velocity() }]);
     return jog;

@@ -1,5 +1,6 @@
 /** A joint in numbers and words, with their units: pure. */
 
+import { isFresh } from "./sentences_alarms.js";
 import { degrees, degreesPerSecond, number, percent, seconds } from "./units.js";
 
 /** What a limit did, for who wonders why the joint is slow. */
@@ -15,17 +16,26 @@ const LIMITED = {
 
 const HOLDERS = { emg: "muscles", joystick: "joystick", assist: "assist", home: "going home", "": "nobody" };
 
-/** @returns {{angle: string, numbers: string, state: string, warning: string}} */
-export function jointWords(joint, expected, spec) {
+/** What stands where nothing is known now. */
+export const UNKNOWN = { angle: "–", numbers: "not known now", state: "", warning: "" };
+
+/**
+ * @param {boolean} quiet whether it is said elsewhere that no joint answers
+ * @returns {{angle: string, numbers: string, state: string, warning: string}}
+ */
+export function jointWords(joint, expected, spec, quiet = false) {
   return {
     angle: degrees(joint.position),
     numbers: measured(joint).join(" · "),
     state: [...expectation(expected), joint.mode, `moved by ${holder(joint)}`].join(" · "),
-    warning: warnings(joint, spec).join(" · "),
+    warning: warnings(joint, spec, quiet).join(" · "),
   };
 }
 
-function measured({ velocity, load, temperature }) {
+/** A reading that is old tells no speed. */
+function measured(joint) {
+  const { load, temperature } = joint;
+  const velocity = isFresh(joint) ? joint.velocity : NaN;
   return [degreesPerSecond(velocity), `load ${percent(load)}`, number(temperature, 0, "°C")];
 }
 
@@ -38,9 +48,9 @@ function holder({ holder: who, mode }) {
   return who === mode ? "nobody" : (HOLDERS[who] ?? who);
 }
 
-function warnings(joint, spec) {
+function warnings(joint, spec, quiet) {
   return [
-    joint.freshness === "fresh" ? "" : `⚠ ${joint.freshness}: last read ${seconds(joint.age)} ago`,
+    quiet || joint.freshness === "fresh" ? "" : `⚠ ${joint.freshness}: last read ${seconds(joint.age)} ago`,
     ...joint.errors.map((error) => `⚠ ${error}`),
     heat(joint.temperature, spec),
     joint.mode === "active" ? (LIMITED[joint.limited] ?? joint.limited) : "",

@@ -14,8 +14,8 @@ export class Keyboard {
 
   _pressed(event) {
     const bound = this.bindings.get(event.key);
-    if (!bound || event.ctrlKey || event.altKey || event.metaKey || event.isComposing) return;
-    const urgent = event.key === "Escape";
+    const urgent = event.key === "Escape"; // whatever else is pressed
+    if (!bound || (!urgent && (event.ctrlKey || event.altKey || event.metaKey || event.isComposing))) return;
     if (!urgent && (event.repeat || event.defaultPrevented || event.target.closest?.(TYPING))) return;
     if (!urgent) event.preventDefault();
     bound.action(event);

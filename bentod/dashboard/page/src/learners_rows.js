@@ -4,13 +4,13 @@
 import { scaleOf, shownAs, signalWords, ticksOf } from "./outcome_signals.js";
 import { number, percent, words } from "./units.js";
 
-/** Columns by key: title, and how to sort by it; numbers begin with the greatest. */
+/** Columns by key: title, and `term`, what books call it; numbers begin with the greatest when sorted. */
 export const COLUMNS = [
-  { key: "name", title: "Question" },
-  { key: "prediction", title: "Predicted" },
-  { key: "confidence", title: "Sure" },
-  { key: "error", title: "RMSE" },
-  { key: "surprise", title: "Surprise" },
+  { key: "name", title: "Question", term: "What is predicted (a GVF)" },
+  { key: "prediction", title: "Predicted", term: "The newest prediction" },
+  { key: "confidence", title: "Sure", term: "Confidence C, from the errors of late" },
+  { key: "error", title: "Off by", term: "RMSE of late, against the return" },
+  { key: "surprise", title: "Unusual", term: "Surprise: the newest errors against their usual spread" },
 ];
 
 /** What a frame says of a question; what it does not say is as gvf_list had it. */

@@ -4,6 +4,7 @@
 import { el, say } from "./dom.js";
 import { COLUMNS, arranged, numbersOf, questionWords, textsOf } from "./learners_rows.js";
 import { gvfSubject } from "./outcome.js";
+import { sideways } from "./sideways.js";
 import { atMost } from "./sparing.js";
 import "./learners.css";
 
@@ -23,15 +24,16 @@ export class GvfTable {
     this.draw = draw;
     this.filter = el("input", { type: "search", class: "learners-filter", on: { input: () => this.#arrange() } });
     this.count = el("span", { class: "soft", role: "status" });
-    this.heads = COLUMNS.map(({ key, title }) => this.#head(key, title));
+    this.heads = COLUMNS.map((column) => this.#head(column));
     this.body = el("tbody", {});
     this.table = el("table", { class: "learners-table" }, el("thead", {}, el("tr", {}, ...this.heads)), this.body);
     this.above = el("tr", { class: "learners-space", "aria-hidden": "true" }, el("td", { colspan: COLUMNS.length }));
     this.below = this.above.cloneNode(true);
     this.window = el("div", { class: "learners-window scroll", tabindex: 0, role: "group", "aria-label": "All questions" }, this.table);
+    sideways(this.window);
     this.window.addEventListener("scroll", () => this.show());
     const find = el("label", { class: "field" }, el("span", { text: "Find" }), this.filter);
-    const hint = el("p", { class: "soft", text: "Sure: the confidence C. RMSE: how wrong of late, against the return, in the unit of the signal. Surprise: how unusual the newest errors are; 1 is usual." });
+    const hint = el("p", { class: "soft", text: "Sure: how far a prediction can be trusted. Off by: how wrong it was of late, in the unit of the signal. Unusual: how its newest errors compare with its usual ones; 1 is usual." });
     this.element = el("div", { class: "learners" }, el("h3", { text: "All questions" }), el("div", { class: "row" }, find, this.count), this.window, hint);
     const sort = atMost(RESORT, () => this.order.key && this.order.key !== "name" && this.#arrange());
     app.onFrame(atMost(OFTEN, () => (sort(), this.show())), { element: this.element });
@@ -81,8 +83,8 @@ export class GvfTable {
     row.hidden = count === 0;
   }
 
-  #head(key, title) {
-    const press = el("button", { type: "button", class: "plain learners-sort", text: title, on: { click: () => this.#sort(key) } });
+  #head({ key, title, term }) {
+    const press = el("button", { type: "button", class: "plain learners-sort", text: title, title: term, on: { click: () => this.#sort(key) } });
     return el("th", { scope: "col", "aria-sort": "none", data: { key } }, press);
   }
 

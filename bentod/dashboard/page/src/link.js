@@ -4,7 +4,7 @@ import { decode, encode } from "@msgpack/msgpack";
 const ACKNOWLEDGE = 3; // frames between two acknowledgements; the server sends at most 8 ahead
 const FIRST_WAIT = 250; // ms until the next attempt to connect; twice as long each time
 const LONGEST_WAIT = 4000;
-const SILENCE = 12000; // ms without a word, after which the network counts as lost
+const SILENCE = 3000; // ms without a word, after which the server counts as lost; it says one each second
 const NOT_VALID = 4401;
 
 /** Told what arrives: welcome, frame, event, dropped, link. */
@@ -35,7 +35,7 @@ export class Link {
     const number = ++this._number;
     return new Promise((resolve, reject) => {
       this._calls.set(number, { resolve, reject });
-      this._send(["call", number, method, params]);
+      this._send(["call", number, method, params, this.seen]);
     });
   }
 
@@ -54,6 +54,7 @@ export class Link {
 
   _open() {
     clearTimeout(this._timer);
+    this._abandon();
     const address = new URL("ws", location.href);
     address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
     address.hash = "";
@@ -61,11 +62,19 @@ export class Link {
     this._socket = socket;
     socket.binaryType = "arraybuffer";
     socket.onopen = () => this._send(["token", this.token]);
-    socket.onmessage = (message) => this._take(decode(new Uint8Array(message.data)));
+    socket.onmessage = (message) => socket === this._socket && this._take(decode(new Uint8Array(message.data)));
     socket.onclose = (close) => socket === this._socket && this._closed(close);
   }
 
+  /** A server that is frozen does not even answer a farewell. */
+  _abandon() {
+    const socket = this._socket;
+    this._socket = null;
+    socket?.close();
+  }
+
   _closed(close) {
+    this._heard = 0;
     for (const { reject } of this._calls.values()) reject(new Error("The page has lost its server."));
     this._calls.clear();
     this.seen = this._acknowledged = 0;
@@ -85,7 +94,9 @@ export class Link {
   }
 
   _watch() {
-    if (this.up && this._heard && performance.now() - this._heard > SILENCE) this._socket.close();
+    if (!this.up || !this._heard || performance.now() - this._heard < SILENCE) return;
+    this._abandon();
+    this._closed({ code: 0 });
   }
 
   _take([kind, ...rest]) {
@@ -94,6 +105,7 @@ export class Link {
     else if (kind === "answer") this._settle(rest[0], "resolve", rest[1]);
     else if (kind === "refused") this._settle(rest[0], "reject", new Error(rest[1]));
     else if (kind === "welcome") this._welcome(rest[0]);
+    else if (kind === "alive") return;
     else if (kind === "event") this.handlers.event(rest[0]);
     else if (kind === "dropped") this.handlers.dropped(rest[0], rest[1]);
     else if (kind === "link") this.handlers.link({ page: true, daemon: rest[0], why: rest[1] });

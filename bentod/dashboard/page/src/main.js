@@ -10,6 +10,7 @@ import { header } from "./header.js";
 import { healthPanel } from "./health.js";
 import { keysPanel } from "./help.js";
 import { jointsPanel } from "./joints.js";
+import { joystickPanel } from "./gamepad_headless.js";
 import { learnersPanel } from "./learners.js";
 import { musclesPanel } from "./muscles.js";
 import { nowPanel } from "./now.js";
@@ -21,6 +22,7 @@ import { tabs } from "./tabs.js";
 import { taskPanel } from "./task.js";
 import { themeButton } from "./theme.js";
 
+addEventListener("hashchange", () => location.reload()); // another token for the same tab
 const token = takeToken();
 if (token) void start(token);
 else document.body.replaceChildren(signIn(false));
@@ -30,7 +32,7 @@ async function start(token) {
   window.bentod = app;
   document.body.replaceChildren(el("main", { class: "waiting" }, el("p", { role: "status", text: "Looking for the daemon …" })), app.notices.element);
   app.onLink((state) => state.why === "token" && document.body.replaceChildren(signIn(true)));
-  app.onLink((state) => state.why && state.why !== "token" && app.say(state.why, "warning"));
+  app.onLink(({ why }) => why && !["token", "silent"].includes(why) && app.say(why, "warning"));
   await app.ready;
   document.body.replaceChildren(header(app), el("main", { class: "layout" }, stage(app), side(app)), app.notices.element);
   performance.mark("shown");
@@ -44,13 +46,13 @@ function stage(app) {
 function side(app) {
   const parts = [
     { id: "arm", label: "Joints", elements: [groupsPanel(app), jointsPanel(app)] },
-    { id: "muscles", label: "Muscles", elements: app.info.emg === false ? [] : [musclesPanel(app)] },
+    { id: "muscles", label: "Muscles", elements: app.info.emg ? [musclesPanel(app)] : [] },
     { id: "assist", label: "Assist", elements: [assistPanel(app)] },
     { id: "learning", label: "Learning", elements: [learnersPanel(app)] },
     { id: "task", label: "Task", elements: [taskPanel(app)] },
-    { id: "session", label: "Session", elements: app.can("replay_get") ? [replayPanel(app), sessionPanel(app)] : [sessionPanel(app)] },
+    { id: "session", label: "Session", elements: app.replaying ? [replayPanel(app), sessionPanel(app)] : [sessionPanel(app)] },
     { id: "health", label: "Health", elements: [healthPanel(app)] },
-    { id: "controls", label: "Controls", elements: [gamepadPanel(app), soundsPanel(app)] },
+    { id: "controls", label: "Controls", elements: [joystickPanel(app), gamepadPanel(app), soundsPanel(app)] },
   ];
   const shown = tabs(parts.filter((part) => part.elements.length), app.setting("tab", "arm"));
   shown.element.querySelector("#page-controls").append(keysPanel(app), themeButton(app));

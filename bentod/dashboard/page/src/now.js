@@ -2,6 +2,7 @@
 
 import { el, say } from "./dom.js";
 import { sentences } from "./sentences.js";
+import { around } from "./sentences_around.js";
 import "./now.css";
 
 /** ms between two changes of words while nothing important changes: nobody reads faster. */
@@ -12,11 +13,11 @@ const BREATH = 2000;
 
 /** @returns {HTMLElement} */
 export function nowPanel(app) {
-  const panel = new NowPanel();
+  const panel = new NowPanel(app);
   app.now = { sentences };
-  app.onFrame((frame) => panel.show(frame), { element: panel.element });
-  app.onLink((link) => panel.link(link));
-  panel.show(app.frame);
+  app.onFrame(() => panel.show(), { element: panel.headline });
+  app.onLink(() => panel.show());
+  app.onRole(() => panel.show());
   return panel.element;
 }
 
@@ -24,10 +25,9 @@ class NowPanel {
   shown = -Infinity;
   spoken = -Infinity;
   key = "";
-  severed = "";
-  frame = null;
 
-  constructor() {
+  constructor(app) {
+    this.app = app;
     this.headline = el("p", { class: "now-headline" });
     this.todo = el("p", { class: "now-todo" });
     this.doing = el("ul", { class: "now-doing" });
@@ -36,40 +36,34 @@ class NowPanel {
     this.help = el("p", { class: "now-help" });
     this.stop = el("p", { class: "now-stop" });
     this.aloud = el("p", { class: "visually-hidden", "aria-live": "polite" });
-    const rows = [
-      row("Next", this.expects),
-      row("How sure", this.meter.element),
-      row("Help", this.help),
-      row("To stop", this.stop),
-    ];
+    this.rows = [row("Next", this.expects), row("How sure", this.meter.element), row("Help", this.help)];
+    const stop = row("To stop", this.stop);
+    stop.classList.add("now-to-stop");
     const given = { class: "panel now", "aria-label": "What the arm is doing" };
-    this.element = el("section", given, this.headline, this.todo, this.doing, ...rows, this.aloud);
+    const first = el("div", { class: "now-first" }, this.headline, this.todo, this.doing);
+    this.element = el("section", given, first, el("div", { class: "now-rest" }, ...this.rows, stop), this.aloud);
   }
 
-  /** @param {{page: boolean, daemon: boolean, why: string}} link */
-  link({ page, daemon, why }) {
-    const lost = page ? "The page has no connection to the daemon" : "The page has lost its server";
-    this.severed = page && daemon ? "" : `${lost}: what stands here is old. ${why ?? ""}`.trim();
-    this.show(this.frame);
-  }
-
-  show(frame) {
-    this.frame = frame;
-    const told = sentences(frame);
-    const key = `${this.severed}|${frame?.mode}|${frame?.fault}|${frame?.joints.map((joint) => joint.holder)}`;
+  show() {
+    const { frame } = this.app;
+    const known = around(this.app);
+    const told = sentences(frame, known);
+    const holders = frame?.joints.map((joint) => joint.holder);
+    const key = JSON.stringify([known, frame?.mode, frame?.fault, holders]);
     const now = performance.now();
     if (key === this.key && now - this.shown < CALM) return;
     this.shown = now;
     this.key = key;
-    this.#write(told, frame?.mode ?? "");
-    if (now - this.spoken >= BREATH) this.#speak(told, now);
+    this.#write(told, known.lost ? "severed" : (frame?.mode ?? ""));
+    if (now - this.spoken >= BREATH) this.#speak(known.lost || (told.todo ? `${told.headline} ${told.todo}` : ""), now);
   }
 
   #write(told, mode) {
-    this.element.dataset.mode = this.severed ? "severed" : mode;
-    write(this.headline, this.severed || told.headline);
-    write(this.todo, this.severed ? "" : told.todo);
-    list(this.doing, this.severed ? [] : told.doing);
+    this.element.dataset.mode = mode;
+    for (const row of this.rows) row.hidden = mode === "severed";
+    say(this.headline, told.headline);
+    write(this.todo, told.todo);
+    list(this.doing, told.doing);
     write(this.expects, told.expects || "Nothing is expected.");
     this.meter.show(told.sure);
     write(this.help, told.help || "Nothing helps.");
@@ -77,8 +71,7 @@ class NowPanel {
   }
 
   /** Only states are said aloud by themselves; what moves is in the label of the picture. */
-  #speak({ headline, todo }, now) {
-    const state = this.severed || (todo ? `${headline} ${todo}` : "");
+  #speak(state, now) {
     if (state !== this.aloud.textContent) this.spoken = now;
     write(this.aloud, state);
   }

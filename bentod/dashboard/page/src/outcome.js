@@ -64,7 +64,8 @@ export class OutcomeChart {
     this.app = app;
     this.joint = el("select", { class: "outcome-joint", on: { change: () => this.#chosen() } });
     this.timescale = el("select", { class: "outcome-timescale", on: { change: () => this.#chosen() } });
-    this.words = el("p", { class: "outcome-words" });
+    const band = "The band: ± the RMSE of late against the return, a weighted mean of what came";
+    this.words = el("p", { class: "outcome-words", title: band });
     this.errors = el("p", { class: "outcome-now" });
     this.chart = el("div", { class: "outcome-chart", role: "img" });
     const field = (label, input) => el("label", { class: "field" }, el("span", { text: label }), input);
@@ -122,13 +123,14 @@ export class OutcomeChart {
     const value = (column, place) => number(data[column][place] ?? NaN, digits, unit);
     const now = data[0].findIndex((seconds) => seconds >= 0);
     const last = data[0].length - 1;
-    return `Now ${value(1, now)}; it was predicted as ${value(2, now)}. Predicted next: ${value(2, last)}, give or take ${number(this.error * per, digits, unit)}.`;
+    const off = Number.isFinite(this.error) ? `, give or take ${number(this.error * per, digits, unit)}` : "";
+    return `Now ${value(1, now)}; it was predicted as ${value(2, now)}. Predicted next: ${value(2, last)}${off}.`;
   }
 
   #explain() {
     const { label, ticks } = this.subject;
     const ahead = `${number(ticks / this.rate, 2, "s")} (${number(ticks, 0, "ticks")})`;
-    const text = `${sentence(label)}: the solid line is what it did, the dashed one what had been predicted ${ahead} earlier, the band how wrong that was of late (± RMSE against the return). Right of now is still to come.`;
+    const text = `${sentence(label)}: the solid line is what it did, the dashed one what had been predicted ${ahead} earlier, the band how wrong that was of late. Right of now is still to come.`;
     say(this.words, text);
     this.chart.setAttribute("aria-label", text);
   }

@@ -12,6 +12,16 @@ export function shaped(value, axis) {
 
 export const atRest = (value, axis) => Number.isFinite(value) && shaped(value, axis) === 0;
 
+// Buttons of the W3C's standard gamepad, by their places.
+const BUTTONS = [
+  "lower face button", "right face button", "left face button", "upper face button", "left bumper", "right bumper",
+  "left trigger", "right trigger", "select button", "start button", "left stick's button", "right stick's button",
+  "up on the cross", "down on the cross", "left on the cross", "right on the cross", "middle button",
+];
+
+/** A button as people know it, "right bumper (5)"; by its number alone where the pad is not `standard`. */
+export const buttonName = (number, standard = true) => (standard && BUTTONS[number] ? `${BUTTONS[number]} (${number})` : `button ${number}`);
+
 /** What a pad in the manner of the Xbox does when nobody says otherwise; numbers as browsers give them. */
 export function usual(groups) {
   const stick = { joint: null, dead_zone: 0.15, expo: 0.3, invert: false, one_sided: false, max: 1 };

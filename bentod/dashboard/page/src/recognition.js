@@ -27,8 +27,8 @@ class RecognitionPart {
     this.came = el("p", { class: "recognition-came", role: "status" });
     this.train = button("Collect & train", () => this.#train(), { class: "primary", id: "recognition-train" });
     this.reset = button("Forget what was adapted", () => app.act("emg_reset"), { id: "recognition-reset" });
-    const collect = el("details", {}, el("summary", { text: "Collect and train" }), this.#fields(), this.came);
-    this.element = el("div", { class: "recognition", hidden: true }, el("h3", { text: "Recognition" }), this.decision, this.reason, this.asked, this.list, this.model, collect);
+    this.collect = el("details", {}, el("summary", { text: "Collect and train" }), this.#fields(), this.came);
+    this.element = el("div", { class: "recognition", hidden: true }, el("h3", { text: "Recognition" }), this.decision, this.reason, this.asked, this.list, this.model, this.collect);
     app.onFrame((frame) => this.show(frame.emg.recognition));
     app.onEvent((event) => event.kind === "emg" && this.#heard(event));
     app.onLink(({ daemon }) => daemon && this.#look());
@@ -40,7 +40,7 @@ class RecognitionPart {
     if (!told) return;
     const surely = told.probabilities[told.label];
     const weight = told.weight > 0 ? `, ${percent(told.weight)} of it from predictions` : "";
-    say(this.decision, told.index < 0 ? "Nothing is recognised yet" : `${told.label === REST ? "◦" : "▸"} ${sentence(words(told.label))}${surely === undefined ? "" : `, ${percent(surely)} sure`}${weight}`);
+    say(this.decision, told.index < 0 ? (this.untrained ? "Train first: collect one contraction after the other" : "Nothing is recognised yet") : `${told.label === REST ? "◦" : "▸"} ${sentence(words(told.label))}${surely === undefined ? "" : `, ${percent(surely)} sure`}${weight}`);
     say(this.reason, told.reason || (told.rejected ? `Not sure enough: most likely ${words(told.likely)}` : ""));
     this.#bars(told);
     this.#prompted(told.prompted);
@@ -87,6 +87,8 @@ class RecognitionPart {
     this.moves = new Map(told.classes.map(({ name, moves }) => [name, moves]));
     this.rows.clear();
     const { model, models } = told;
+    if (!model && !this.untrained) this.collect.setAttribute("open", "");
+    this.untrained = !model;
     say(this.model, model ? `Model in use: ${model.name} (${model.classifier}). There are: ${models.join(", ") || "none"}.` : "");
     this.adapts = told.adaptation !== null;
     this.#allow();

@@ -1,6 +1,6 @@
 /** The stage on which the arm is drawn: light, floor, camera and renderer. It draws when it is told to. */
 
-import { Color, DirectionalLight, GridHelper, HemisphereLight, Scene, Vector3, WebGLRenderer } from "three";
+import { Color, DirectionalLight, GridHelper, HemisphereLight, Scene, WebGLRenderer } from "three";
 import { Arcs, Ring } from "./scene_marks.js";
 import { Orbit } from "./scene_orbit.js";
 import { Ghost, chain, pose, readRobot, turn } from "./scene_robot.js";
@@ -85,14 +85,6 @@ export class Stage {
   draw() {
     this.renderer.render(this.scene, this.orbit.camera);
     this.drawn += 1;
-  }
-
-  /** Where a joint is seen: shares of width and height from the upper left corner. */
-  spot(name) {
-    const joint = this.model.robot.joints[name];
-    if (!joint) return null;
-    const { x, y } = joint.getWorldPosition(new Vector3()).project(this.orbit.camera);
-    return { x: (x + 1) / 2, y: (1 - y) / 2 };
   }
 }
 

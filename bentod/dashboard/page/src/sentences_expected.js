@@ -3,11 +3,14 @@
 /** @typedef {{position: number, seconds: number, confidence: number | null, error: number | null}} Expected */
 
 /**
- * Each joint's prediction at its longest timescale, by name; joints without one are absent.
+ * Each joint's prediction at its longest timescale, by name; joints without one are absent, and so are all that
+ * wait or do not answer: of what is held still, what was learned in motion says nothing.
  * @returns {Map<string, Expected>} position and error in rad; confidence up to 1, null where nobody says
  */
 export function expectations(frame) {
-  const found = frame.joints.map((joint) => [joint.name, longest(joint, frame)]);
+  if (frame.mode !== "active") return new Map();
+  const able = frame.joints.filter((joint) => joint.mode === "active" && joint.freshness === "fresh");
+  const found = able.map((joint) => [joint.name, longest(joint, frame)]);
   return new Map(found.filter(([, expected]) => expected !== null));
 }
 
@@ -32,15 +35,6 @@ function finite(value) {
 export function attendedJoint(frame) {
   const driven = frame.groups.find((group) => group.operator) ?? frame.groups[0];
   return frame.assist.attended || driven?.active || "";
-}
-
-const VERY = 0.85;
-const FAIRLY = 0.6; // from here on a cautious assist may help; its own setting may differ
-
-/** How sure a confidence is, as a word. */
-export function sureWord(confidence) {
-  if (confidence >= VERY) return "very sure";
-  return confidence >= FAIRLY ? "fairly sure" : "not sure";
 }
 
 const FAMILIAR = 0.2;

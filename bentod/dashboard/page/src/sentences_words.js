@@ -1,5 +1,7 @@
 /** Words for joints, for how they turn, and for who turns them: pure. */
 
+import { sentence, words } from "./units.js";
+
 const DEGREE = Math.PI / 180;
 
 /** How a joint turns towards higher and towards lower angles, as bento.urdf draws it. */
@@ -45,4 +47,14 @@ export function driverWord(holder) {
 /** Several names as in a sentence: "a, b and c". */
 export function listed(names) {
   return names.length < 2 ? names.join("") : `${names.slice(0, -1).join(", ")} and ${names.at(-1)}`;
+}
+
+/** A joint's name at the beginning of a sentence. */
+export function nameWord(name) {
+  return sentence(words(name));
+}
+
+/** The same with a full stop, if it has none. */
+export function ended(text) {
+  return /[.!?]$/.test(text) ? text : `${text}.`;
 }

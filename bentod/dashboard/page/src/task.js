@@ -3,6 +3,7 @@
 import { el, say, section } from "./dom.js";
 import { JointSpace } from "./jointspace.js";
 import { KeysDrive } from "./keys_drive.js";
+import { sideways } from "./sideways.js";
 import { TaskChoice } from "./task_choice.js";
 import { lapTable, summary } from "./task_tables.js";
 import { advice, described } from "./task_words.js";
@@ -66,9 +67,9 @@ class TaskPanel {
     this.live = el("p", { class: "visually-hidden", "aria-live": "polite" });
     this.problems = el("p", { class: "task-problems", hidden: true });
     this.summary = el("p", { class: "task-summary" });
-    this.laps = el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Circuits of this run" });
+    this.laps = sideways(el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Circuits of this run" }));
     const legend = el("p", { class: "soft task-legend", text: "● is the arm, the yellow ◆ where it is expected, the strip which way the active joint can go." });
-    return el("div", {}, this.live, legend, this.drive.hint, this.drive.element, this.problems, this.summary, this.laps);
+    return el("div", {}, this.live, this.drive.hint, this.drive.element, legend, this.problems, this.summary, this.laps);
   }
 
   async _load() {
@@ -157,9 +158,9 @@ class TaskPanel {
     say(this.mark, mark);
     say(this.advice, task?.problem || text);
     this.numbers.hidden = !task;
-    const running = mine?.phase === "running";
-    say(this.circuit, running ? number(mine.number, 0) : "–");
-    say(this.clock, running ? seconds(mine.time) : "–");
+    const begun = mine && (mine.phase === "running" || (mine.phase === "over" && mine.trial)); // the last one's stay
+    say(this.circuit, begun ? number(mine.number, 0) : "–");
+    say(this.clock, begun ? seconds(mine.time) : "–");
     say(this.contacts, mine && mine.trial ? number(mine.contacts_in_all, 0) : "–");
     this.element.dataset.phase = mine?.phase ?? "free";
     this._speak(frame, mine);
