@@ -25,6 +25,12 @@ def pytest_asyncio_loop_factories(
     return {"virtual": VirtualLoop}
 
 
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The page's tests come first, so that what they share does not take from the others for long."""
+    items.sort(key=lambda item: "tests/dashboard/" not in item.nodeid)
+
+
 @pytest.fixture(autouse=True, scope="session")
 def _recordings_go_nowhere_else(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:

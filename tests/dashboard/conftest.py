@@ -9,7 +9,7 @@ from tests.dashboard.page import Page
 from tests.dashboard.rig import Lab, lab, opened
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def shared_lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
     with lab(tmp_path_factory.mktemp("lab")) as found:
         yield found
@@ -22,13 +22,13 @@ def site(shared_lab: Lab) -> Lab:
     return shared_lab
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def browser_address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     with chromium(tmp_path_factory.mktemp("chromium")) as address:
         yield address
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def webgl_address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     with chromium(tmp_path_factory.mktemp("chromium"), webgl=True) as address:
         yield address
