@@ -201,6 +201,7 @@ async def ends(page: Page, site: Lab, how: str, times: int = 20) -> list[float]:
 async def motions(page: Page, site: Lab) -> list[Row]:
     """How long a held motion goes on after the page is hidden, or hangs."""
     rows = []
+    site.calm()
     for how in ("hidden", "hanging"):
         took = await ends(page, site, how)
         rows.append(
