@@ -1,7 +1,6 @@
 """`bentod lsl`: the arm as streams of the lab streaming layer, for LabRecorder."""
 
 import asyncio
-import signal
 import time
 
 import click
@@ -9,6 +8,7 @@ import click
 from bentod import logs
 from bentod.address import parse
 from bentod.cli.link import ADDRESS, Failed, Misused, Way
+from bentod.cli.until_told import until_told
 from bentod.endpoint import default_socket_path
 from bentod.errors import BentodError
 from bentod.lsl.bridge import Bridge
@@ -32,7 +32,7 @@ def lsl(socket: str | None, state: bool, emg: bool) -> None:
         open_outlet, local_clock = load()
         sender = Sender(open_outlet, Clocks(local_clock, time.monotonic))
         with logs.setup("INFO"), Bridge(way.client, sender, topics) as bridge:
-            asyncio.run(_until_told(bridge))
+            asyncio.run(until_told(bridge.run()))
     except BentodError as error:
         raise Failed(str(error)) from error
 
@@ -45,15 +45,3 @@ def _local(way: Way) -> Way:
             "machine, with the path of its socket: LSL carries the streams to others."
         )
     return way
-
-
-async def _until_told(bridge: Bridge) -> None:
-    """Stream until Ctrl-C or SIGTERM."""
-    task = asyncio.ensure_future(bridge.run())
-    loop = asyncio.get_running_loop()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(number, task.cancel)
-    try:
-        await task
-    except asyncio.CancelledError:
-        return

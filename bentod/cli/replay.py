@@ -2,13 +2,13 @@
 
 import asyncio
 import math
-import signal
 import time
 from pathlib import Path
 
 import click
 
 from bentod.cli.changes import single
+from bentod.cli.until_told import until_told
 from bentod.clock import SystemClock
 from bentod.config import Config
 from bentod.endpoint import default_socket_path
@@ -121,13 +121,4 @@ async def _play(
             player.seek(start)
         async with stage.server:
             click.echo(f"Playing {recording.header.arm}, {player.duration:.1f} s, at {where}. Ctrl-C ends.")
-            await _until_interrupted(asyncio.ensure_future(player.run()))
-
-
-async def _until_interrupted(task: "asyncio.Future[None]") -> None:
-    loop = asyncio.get_running_loop()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(number, task.cancel)
-    await asyncio.wait([task])
-    if not task.cancelled():
-        task.result()
+            await until_told(player.run())

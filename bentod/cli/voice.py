@@ -1,7 +1,6 @@
 """`bentod voice`: what the daemon does, to be heard, in a process of its own."""
 
 import asyncio
-import signal
 from pathlib import Path
 
 import click
@@ -9,6 +8,7 @@ import click
 from bentod import logs
 from bentod.cli.configs import read
 from bentod.cli.link import ADDRESS, CA_FILE, TOKEN_FILE, Misused, Way, failure
+from bentod.cli.until_told import until_told
 from bentod.config_voice import Voice
 from bentod.endpoint import default_socket_path
 from bentod.errors import BentodError
@@ -49,22 +49,15 @@ def voice(
             return
         table = read(config).voice if config else None
         with logs.setup("INFO"):
-            asyncio.run(_until_told(way, table))
+            asyncio.run(_speak(way, table))
     except BentodError as error:
         raise failure(error) from error
 
 
-async def _until_told(way: Way, table: Voice | None) -> None:
+async def _speak(way: Way, table: Voice | None) -> None:
     """Speak until Ctrl-C or SIGTERM."""
     async with open_player()() as player:
-        task = asyncio.ensure_future(Narrator(way.client, player, table).run())
-        loop = asyncio.get_running_loop()
-        for number in (signal.SIGINT, signal.SIGTERM):
-            loop.add_signal_handler(number, task.cancel)
-        try:
-            await task
-        except asyncio.CancelledError:
-            return
+        await until_told(Narrator(way.client, player, table).run())
 
 
 def _renderer(way: Way, config: Path | None) -> Renderer:

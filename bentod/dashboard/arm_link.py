@@ -49,7 +49,7 @@ class Public(Protocol):
         ...
 
     def frame(self, frame: dict[str, Value], emg: list[Value]) -> None:
-        """A frame, and the blocks of muscle signals that came since the one before."""
+        """A frame, and the blocks of muscle signals, as they came, since the one before."""
         ...
 
     def event(self, event: dict[str, Value]) -> None:
@@ -119,7 +119,7 @@ class ArmLink:
         async with arm.listen("state", RATE_HZ) as frames:
             async for frame in frames:
                 emg, self._emg = self._emg, []
-                self._public.frame(frame, joined(emg))
+                self._public.frame(frame, emg)
 
     async def _events(self, arm: Client) -> None:
         async with arm.listen("events") as events:

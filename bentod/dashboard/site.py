@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 
 from bentod.dashboard.actor import Connect
-from bentod.dashboard.arm_link import ArmLink, Knowledge
+from bentod.dashboard.arm_link import ArmLink, Knowledge, joined
 from bentod.dashboard.audience import Audience
 from bentod.dashboard.errands import Errands
 from bentod.dashboard.messages import pack
@@ -87,7 +87,7 @@ class Site:
             watcher(frame)
         number = self._audience.next_number()
         if self._audience.listeners:
-            self._audience.show(number, pack("frame", number, frame, emg, self.told))
+            self._audience.show(number, pack("frame", number, frame, joined(emg), self.told))
 
     def event(self, event: dict[str, Value]) -> None:
         """Tell all what happened."""

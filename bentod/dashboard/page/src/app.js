@@ -3,6 +3,7 @@ import { Keyboard } from "./keyboard.js";
 import { Link } from "./link.js";
 import { Motion, whileHeld } from "./motion.js";
 import { notices } from "./notices.js";
+import { setting } from "./settings.js";
 
 const SILENCE = 1000; // ms without a frame, after which what is shown is no longer now
 const LOOKS = 250; // ms between two looks for that
@@ -135,23 +136,7 @@ export class App {
   }
 
   setting(name, fallback) {
-    const key = `bentod.${name}`;
-    return {
-      get() {
-        try {
-          return JSON.parse(localStorage.getItem(key)) ?? fallback;
-        } catch {
-          return fallback;
-        }
-      },
-      set(value) {
-        try {
-          localStorage.setItem(key, JSON.stringify(value));
-        } catch {
-          // A private window keeps nothing; the page works without.
-        }
-      },
-    };
+    return setting(name, fallback);
   }
 
   /** Take in a frame, as if it had arrived. */

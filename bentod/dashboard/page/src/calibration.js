@@ -2,7 +2,7 @@
 /** Calibration step by step: rest, a contraction of each site, what was found, and setting it. */
 
 import { CalibrationResult } from "./calibration_result.js";
-import { button, el, numberField, say } from "./dom.js";
+import { button, el, field, numberField, say } from "./dom.js";
 import { seconds, volts, words } from "./units.js";
 import "./calibration.css";
 
@@ -92,11 +92,11 @@ class CalibrationPart {
   #fields() {
     const fields = Object.entries(TIMES).map(([key, [label, usual, min, max]]) => {
       const keep = (value) => this.times.set({ ...this.times.get(), [key]: value });
-      const field = numberField(label, "s", { value: this.times.get()[key] ?? usual, min, max, step: "any" }, keep);
-      field.input.id = `calibration-${key}`;
-      return field;
+      const made = numberField(label, "s", { value: this.times.get()[key] ?? usual, min, max, step: "any" }, keep);
+      made.input.id = `calibration-${key}`;
+      return made;
     });
-    const which = el("label", { class: "field" }, el("span", { text: "Which" }), this.site);
+    const which = field("Which", this.site);
     return el("div", { class: "row" }, which, ...fields, this.start);
   }
 

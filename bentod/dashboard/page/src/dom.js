@@ -41,6 +41,12 @@ export function section(title, ...children) {
   return el("section", { class: "panel", "aria-labelledby": id }, el("h2", { id, text: title }), ...children);
 }
 
+/** An input with what it is for: before it, or behind a box to tick. */
+export function field(label, input) {
+  const told = el("span", { text: label });
+  return el("label", { class: "field" }, ...(input.type === "checkbox" ? [input, told] : [told, input]));
+}
+
 /** A number field with its unit and bounds; `onChange` gets a number within them. */
 export function numberField(label, unit, { value, min, max, step }, onChange) {
   const input = el("input", { type: "number", value, min, max, step, inputmode: "decimal" });

@@ -1,7 +1,7 @@
 // The bar that is always in sight: what the arm is doing in a word, and how to stop it.
 import { button, el, say } from "./dom.js";
 import { homeButton } from "./home.js";
-import { guard, whileKnown } from "./known.js";
+import { SURE, guard, twice, whileKnown } from "./known.js";
 import "./header.css";
 
 const WORDS = {
@@ -18,8 +18,6 @@ const LOST = {
 };
 const REPLAY = ["Replay", "a recording: no arm moves"];
 const ANSWER = 500; // ms in which STOP is answered
-const JUST = 600; // ms for which a button that has turned round does nothing
-const SURE = 4000; // ms within which the second press must come, where one might let an arm fall
 
 export function header(app) {
   const word = el("strong", { class: "mode-word" });
@@ -69,7 +67,7 @@ function stopButton(app) {
 }
 
 function pauseButton(app) {
-  const turned = guard(JUST);
+  const turned = guard();
   const toggle = () => {
     const moving = app.frame?.mode === "active";
     if (moving || turned.settled()) app.act("pause", { on: moving });
@@ -89,22 +87,17 @@ function pauseButton(app) {
 /** An arm that goes limp falls, so that takes two presses. */
 function torqueButton(app) {
   let on = true;
-  let asked = -Infinity;
-  const unsure = () => on && performance.now() - asked > SURE;
-  const name = () => say(element, !on ? "Torque on" : unsure() ? "Torque off" : "It may fall: press again");
+  const sure = twice();
+  const name = () => say(element, !on ? "Torque on" : sure.armed() ? "It may fall: press again" : "Torque off");
   const press = () => {
-    if (unsure()) {
-      asked = performance.now();
-      setTimeout(name, SURE + 50);
-    } else {
-      asked = -Infinity;
-      app.act("torque", { on: !on });
-    }
+    if (!on || sure.press()) app.act("torque", { on: !on });
+    else setTimeout(name, SURE);
     name();
   };
   const element = button("Torque off", press, { id: "torque" });
   app.onFrame((frame) => {
     on = frame.joints.some((joint) => joint.torque);
+    if (!on) sure.clear();
     name();
     element.title = on ? "Let every joint go limp: gravity takes the arm" : "Pin every joint where it hangs, and pause";
   });

@@ -2,7 +2,7 @@
 /** Breaking a simulated arm on purpose, to practise what to do. */
 
 import { practiceOf } from "./advice_practice.js";
-import { button, el, say, section } from "./dom.js";
+import { button, el, field, say, section } from "./dom.js";
 import { sentence, words } from "./units.js";
 
 /** @returns {HTMLElement} */
@@ -59,4 +59,3 @@ class Practice {
 /** A sentence that goes on after a colon. */
 const inner = (text) => text.charAt(0).toLowerCase() + text.slice(1);
 
-const field = (text, input) => el("label", { class: "field" }, el("span", { text }), input);

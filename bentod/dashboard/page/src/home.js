@@ -3,13 +3,12 @@ import { button, say } from "./dom.js";
 import { guard, whileKnown } from "./known.js";
 
 const KEY = "home";
-const JUST = 600; // ms for which a button that has turned round does nothing
 const RUNNING = new Set(["accepted", "moving"]);
 
 export function homeButton(app) {
   let before = null; // number of the goal that had ended before this page asked for one
   const asking = () => app.motion.keys.includes(KEY);
-  const turned = guard(JUST);
+  const turned = guard();
   const toggle = () => {
     if (running(app.frame)) return end();
     if (!turned.settled()) return undefined;

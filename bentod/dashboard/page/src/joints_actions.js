@@ -1,13 +1,8 @@
 /** The buttons of one joint: move it a little, pause it, let it go limp. */
 
 import { button, el, say } from "./dom.js";
+import { guard, twice } from "./known.js";
 import { words } from "./units.js";
-
-/** ms within which the second press must come, where one might let an arm fall. */
-const SURE = 4000;
-
-/** ms for which a button that has turned from Pause into Release does nothing. */
-const JUST = 600;
 
 export class JointActions {
   /** @param {() => number} share of the joint's top speed, 0..1 */
@@ -17,9 +12,9 @@ export class JointActions {
     this.jogs = [this.#jog("−", -1, spec, share), this.#jog("+", 1, spec, share)];
     this.pause = button("", () => this.#switchPause());
     this.torque = button("", () => this.#switchTorque());
-    this.armed = 0;
+    this.sure = twice();
+    this.turned = guard();
     this.held = true;
-    this.heldSince = 0;
     this.limp = false;
     const all = [...this.jogs, this.pause, this.torque];
     const label = `What may be done with ${words(name)}`;
@@ -28,11 +23,10 @@ export class JointActions {
 
   /** Take in how the joint is; buttons say what they will do. */
   show(joint) {
-    const held = joint.mode !== "active";
-    if (held && !this.held) this.heldSince = performance.now();
-    this.held = held;
+    this.held = joint.mode !== "active";
+    this.turned.see(this.held);
     this.limp = !joint.torque;
-    if (this.limp) this.armed = 0;
+    if (this.limp) this.sure.clear();
     for (const jog of this.jogs) disable(jog, this.held || !this.app.can("move"));
     this.pause.disabled = this.limp || joint.mode === "fault" || !this.app.can("pause");
     this.torque.disabled = joint.mode === "fault" || !this.app.can("torque");
@@ -48,20 +42,18 @@ export class JointActions {
 
   #torqueWord() {
     if (this.limp) return "Torque on";
-    return performance.now() - this.armed < SURE && this.armed ? "May fall: again" : "Torque off";
+    return this.sure.armed() ? "May fall: again" : "Torque off";
   }
 
   /** Who meant to pause, just as somebody else did, must not release. */
   #switchPause() {
-    if (this.held && performance.now() - this.heldSince < JUST) return;
+    if (this.held && !this.turned.settled()) return;
     this.#toggle("pause", this.held);
   }
 
   /** A joint that goes limp may fall, so that takes two presses. */
   #switchTorque() {
-    const sure = this.limp || (this.armed && performance.now() - this.armed < SURE);
-    this.armed = sure ? 0 : performance.now();
-    if (sure) this.#toggle("torque", !this.limp);
+    if (this.limp || this.sure.press()) this.#toggle("torque", !this.limp);
     else this.#name(this.torque, this.#torqueWord());
   }
 

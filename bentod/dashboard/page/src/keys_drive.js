@@ -1,7 +1,7 @@
 // @ts-check
 // Two joints driven with the arrow keys while their view has the focus, or with buttons; either both at once, or
 // one at a time as a wearer does (thesis 5.4): ← → move the active joint and Space selects the other one.
-import { button, el } from "./dom.js";
+import { button, el, field } from "./dom.js";
 import { percent, words } from "./units.js";
 import "./keys_drive.css";
 
@@ -117,7 +117,7 @@ export class KeysDrive {
       el("option", { value: "both", text: "both joints at once" }),
       el("option", { value: "one", text: "one joint at a time" }),
     );
-    return el("label", { class: "field" }, el("span", { text: "Keys move" }), this.choice);
+    return field("Keys move", this.choice);
   }
 
   _speed() {

@@ -1,7 +1,7 @@
 // @ts-check
 /** All questions in a table of which only the rows in sight exist: thousands cost no more than some. */
 
-import { el, say } from "./dom.js";
+import { el, field, say } from "./dom.js";
 import { COLUMNS, arranged, numbersOf, questionWords, textsOf } from "./learners_rows.js";
 import { gvfSubject } from "./outcome.js";
 import { sideways } from "./sideways.js";
@@ -32,7 +32,7 @@ export class GvfTable {
     this.window = el("div", { class: "learners-window scroll", tabindex: 0, role: "group", "aria-label": "All questions" }, this.table);
     sideways(this.window);
     this.window.addEventListener("scroll", () => this.show());
-    const find = el("label", { class: "field" }, el("span", { text: "Find" }), this.filter);
+    const find = field("Find", this.filter);
     const hint = el("p", { class: "soft", text: "Sure: how far a prediction can be trusted. Off by: how wrong it was of late, in the unit of the signal. Unusual: how its newest errors compare with its usual ones; 1 is usual." });
     this.element = el("div", { class: "learners" }, el("h3", { text: "All questions" }), el("div", { class: "row" }, find, this.count), this.window, hint);
     const sort = atMost(RESORT, () => this.order.key && this.order.key !== "name" && this.#arrange());

@@ -20,9 +20,10 @@ import { signIn, takeToken } from "./signin.js";
 import { soundsPanel } from "./sounds.js";
 import { tabs } from "./tabs.js";
 import { taskPanel } from "./task.js";
-import { themeButton } from "./theme.js";
+import { applyTheme, themeButton } from "./theme.js";
 
 addEventListener("hashchange", () => location.reload()); // another token for the same tab
+applyTheme();
 const token = takeToken();
 if (token) void start(token);
 else document.body.replaceChildren(signIn(false));
@@ -55,6 +56,6 @@ function side(app) {
     { id: "controls", label: "Controls", elements: [joystickPanel(app), gamepadPanel(app), soundsPanel(app)] },
   ];
   const shown = tabs(parts.filter((part) => part.elements.length), app.setting("tab", "arm"));
-  shown.element.querySelector("#page-controls").append(keysPanel(app), themeButton(app));
+  shown.element.querySelector("#page-controls").append(keysPanel(app), themeButton());
   return el("div", { class: "side" }, shown.element);
 }

@@ -3,14 +3,12 @@
 
 import { calibrationPart } from "./calibration.js";
 import { button, el, say, section } from "./dom.js";
+import { guard } from "./known.js";
 import { MuscleCharts } from "./muscles_charts.js";
 import { recognitionPart } from "./recognition.js";
 import { SiteSettings } from "./sites_settings.js";
 import { number, seconds } from "./units.js";
 import "./muscles.css";
-
-/** ms for which the button does nothing after its meaning has changed by itself. */
-const JUST = 600;
 
 /** @returns {HTMLElement} */
 export function musclesPanel(app) {
@@ -52,15 +50,15 @@ function factWords(emg, rate, missing) {
 /** Big, because it is what one looks for when the arm does what was not meant. */
 function driveButton(app) {
   let paused = null;
-  let since = -JUST;
+  const turned = guard();
   function press() {
-    if (paused && performance.now() - since < JUST) return;
+    if (paused && !turned.settled()) return;
     void app.act("emg_pause", { on: !paused });
   }
   const element = button("❚❚ Pause the muscles", press, { class: "muscles-drive", id: "muscles-drive", "aria-keyshortcuts": "m" });
   app.key("m", "Pause the muscles, or let them drive", () => element.disabled || press());
   function show(now) {
-    if (paused !== null && now !== paused) since = performance.now();
+    turned.see(now);
     paused = now;
     say(element, paused ? "▶ Let the muscles drive" : "❚❚ Pause the muscles");
     element.title = paused ? "They drive again once they have been at rest (M)" : "They move nothing; everything else goes on (M)";

@@ -1,7 +1,7 @@
 // @ts-check
 /** The charts of all channels: samples in, pictures out, while somebody looks and the picture is not frozen. */
 
-import { button, el, say } from "./dom.js";
+import { button, el, field, say } from "./dom.js";
 import { SiteCard } from "./sites.js";
 import { Ring } from "./stripchart_ring.js";
 import { seconds } from "./units.js";
@@ -96,7 +96,7 @@ export class MuscleCharts {
     scale.value = this.whole.get() ? "whole" : "near";
     scale.addEventListener("change", () => this.whole.set(scale.value === "whole"));
     const length = el("label", { class: "field" }, el("span", { text: "Shown" }), slider, shown);
-    const fit = el("label", { class: "field" }, el("span", { text: "Scale fits" }), scale);
+    const fit = field("Scale fits", scale);
     return el("div", { class: "muscles-controls" }, this.#freezeButton(), length, fit, key());
   }
 

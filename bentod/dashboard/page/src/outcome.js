@@ -3,7 +3,7 @@
 
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { el, say } from "./dom.js";
+import { el, field, say } from "./dom.js";
 import { Outcome } from "./outcome_series.js";
 import { readerOf, scaleOf, signalWords, ticksOf } from "./outcome_signals.js";
 import { atMost } from "./sparing.js";
@@ -68,14 +68,12 @@ export class OutcomeChart {
     this.words = el("p", { class: "outcome-words", title: band });
     this.errors = el("p", { class: "outcome-now" });
     this.chart = el("div", { class: "outcome-chart", role: "img" });
-    const field = (label, input) => el("label", { class: "field" }, el("span", { text: label }), input);
     const row = el("div", { class: "row" }, field("Joint", this.joint), field("Ahead", this.timescale));
     this.element = el("div", { class: "outcome" }, el("h3", { text: "Predicted, and what came" }), row, this.words, this.chart, this.errors);
     app.onTick((frame) => this.take(frame));
     app.onFrame(atMost(OFTEN, () => this.draw()), { element: this.element });
     addEventListener("resize", () => this.#fit());
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#forget());
-    new MutationObserver(() => this.#forget()).observe(document.documentElement, { attributeFilter: ["data-theme"] });
+    addEventListener("themechange", () => this.#forget());
   }
 
   /** Draw this from now on. */

@@ -1,7 +1,7 @@
 // @ts-check
 /** The keys of a player, where the page shows a recording and not an arm. */
 
-import { button, el, say, section } from "./dom.js";
+import { button, el, field, say, section } from "./dom.js";
 import { repeatedly } from "./session_pace.js";
 import { clockTime } from "./units.js";
 import "./replay.css";
@@ -106,8 +106,4 @@ class Player {
 
 function timesReal(speed) {
   return speed === Infinity ? "as fast as it goes" : `${speed} ×`;
-}
-
-function field(label, input) {
-  return el("label", { class: "field" }, input.type === "checkbox" ? input : el("span", { text: label }), input.type === "checkbox" ? el("span", { text: label }) : input);
 }

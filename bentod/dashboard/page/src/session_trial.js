@@ -1,7 +1,7 @@
 // @ts-check
 /** The trial that runs, and the next one. */
 
-import { button, el, say, section } from "./dom.js";
+import { button, el, field, say, section } from "./dom.js";
 import { clockTime } from "./units.js";
 
 /** @returns {HTMLElement} */
@@ -22,7 +22,7 @@ class TrialPart {
     this.condition = el("input", { type: "text", maxlength: 64, value: condition, placeholder: "dpcc" });
     this.start = el("button", { type: "submit", text: "Start trial" });
     this.stop = button("Stop trial", () => app.act("trial_stop"), { class: "session-trial-stop" });
-    this.form = el("form", { class: "row session-trial" }, label("Name", this.name), label("Condition", this.condition), this.start);
+    this.form = el("form", { class: "row session-trial" }, field("Name", this.name), field("Condition", this.condition), this.start);
     this.form.addEventListener("submit", (event) => this.#submit(event));
     this.element = section("Trial", this.state, this.time, this.form, this.stop);
     app.onRole(() => this.#offer());
@@ -56,8 +56,4 @@ class TrialPart {
 
 function title({ number, name, condition }) {
   return `Trial ${number}: ${name}${condition ? `, ${condition}` : ""}`;
-}
-
-function label(text, input) {
-  return el("label", { class: "field" }, el("span", { text }), input);
 }

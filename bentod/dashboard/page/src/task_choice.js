@@ -1,6 +1,6 @@
 // @ts-check
 // What is to be done and under which condition: the task, who helps, and what the trial is called.
-import { button, el } from "./dom.js";
+import { button, el, field } from "./dom.js";
 import { words } from "./units.js";
 
 const FREE = "";
@@ -74,8 +74,4 @@ export class TaskChoice {
     else this._fillAxes();
     return this.joints2;
   }
-}
-
-function field(label, input) {
-  return el("label", { class: "field" }, el("span", { text: label }), input);
 }
